@@ -1,0 +1,89 @@
+"""Canonical frequencies: blocks of half a decade, and nested levels of frequencies inside them.
+
+Frequencies are 10^(0.05 + k/(50·2^level)) Hz with integer k: level by level the step halves, and each level
+contains the one before. Block i reaches from 10^(0.05 + i/2) to 10^(0.05 + (i+1)/2) Hz, so that the edges at
+1.122, 11.22, 112.2 Hz are those of the one-third octaves around 1, 10 and 100 Hz. No study shifts a block's
+edges or its frequencies, so blocks are shared.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+PER_DECADE = 2
+STEPS = 25
+"""Steps of a block at level 0: 4.7 % each."""
+HALO = 4
+"""Frequencies tabulated beyond each edge, so that interpolation inside a block needs no neighbour."""
+LOWEST = -3
+"""First block: below its lower edge, 0.0355 Hz, every response is taken as static."""
+SHIFT = 0.05
+"""Decimal logarithm of the edge of block 0 in Hz."""
+STENCIL = 2 * HALO
+"""Points of the interpolation along frequency."""
+
+
+def edges(block: int) -> tuple[float, float]:
+    """Return the lowest and the highest frequency of a block, Hz."""
+    return 10.0 ** (SHIFT + block / PER_DECADE), 10.0 ** (SHIFT + (block + 1) / PER_DECADE)
+
+
+def up_to(maximum_frequency: float) -> range:
+    """Return the blocks from the static limit up to a frequency in Hz."""
+    last = int(np.ceil(PER_DECADE * (np.log10(maximum_frequency) - SHIFT) - 1e-9)) - 1
+    return range(LOWEST, max(last, LOWEST) + 1)
+
+
+def indices(block: int, level: int) -> np.ndarray:
+    """Return the indices k of a block's frequencies at a level, the halo included."""
+    steps = STEPS * 2**level
+    return np.arange(block * steps - HALO, (block + 1) * steps + HALO + 1)
+
+
+def frequency(level: int, k: np.ndarray | int) -> np.ndarray:
+    """Return 10^(0.05 + k/(50·2^level)), Hz."""
+    return np.asarray(10.0 ** (SHIFT + np.asarray(k) / (PER_DECADE * STEPS * 2**level)))
+
+
+def position(block: int, level: int, f: np.ndarray) -> np.ndarray:
+    """Return where frequencies f in Hz lie among a block's, as fractional row numbers."""
+    steps = STEPS * 2**level
+    return np.asarray((np.log10(f) - SHIFT) * (PER_DECADE * steps) - (block * steps - HALO))
+
+
+def interpolation_weights(block: int, level: int, f: np.ndarray) -> np.ndarray:
+    """Return the matrix that interpolates from a block's frequencies to others inside it.
+
+    Parameters
+    ----------
+    f
+        Frequencies (n,), Hz.
+
+    Returns
+    -------
+    ndarray, shape (n, frequencies of the block)
+        Rows of Lagrange weights over the eight nearest frequencies, uniform in ln f.
+    """
+    rows = indices(block, level).size
+    at = position(block, level, f)
+    first = np.clip(np.floor(at).astype(int) - HALO + 1, 0, rows - STENCIL)
+    t = at - first
+    weights = np.zeros((f.size, rows))
+    for i in range(STENCIL):
+        others = [j for j in range(STENCIL) if j != i]
+        value = np.prod([(t - j) / (i - j) for j in others], axis=0)
+        weights[np.arange(f.size), first + i] = value
+    return weights
+
+
+def halfway(block: int, level: int, number: int) -> np.ndarray:
+    """Return a few indices of the next level, half-way between frequencies of this one, across the block."""
+    finer = indices(block, level + 1)
+    inner = finer[(finer % 2 == 1) & (finer > finer[0] + HALO) & (finer < finer[-1] - HALO)]
+    return np.asarray(inner[np.linspace(0, inner.size - 1, number).round().astype(int)])
+
+
+def assigned(f: np.ndarray, there: Iterable[int]) -> np.ndarray:
+    """Return for each frequency in Hz its block, or the nearest of those that are there."""
+    nearest = np.floor(PER_DECADE * (np.log10(np.maximum(f, 1e-9)) - SHIFT) + 1e-9)
+    return np.asarray(np.clip(nearest, min(there), max(there)), int)

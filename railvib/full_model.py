@@ -1,0 +1,244 @@
+"""The full model: the train moves, and a fixed receiver hears many excitation frequencies at once.
+
+A load P e^{iωt} at α_l + vt has at a fixed point the spectrum S_0 = (1/v) H̃(κ, y, 2πf) e^{iκx} Σ_l P_l(ω)
+e^{−iκα_l} with κ = (ω − 2πf)/v: no inverse transform, only H̃ at the
+receiving frequency, over wavenumber. With β = ω/v = κ + 2πf/v and
+
+    q_l(β) = P_l(βv) e^{−iβα_l} √S_w(|β|),        A(β, f) = Σ_l q_l(β) e^{2πifα_l/v}
+
+the response is S(f) = (1/(T v²)) ∫ |H̃(κ, f)|² |A(κ + 2πf/v, f)|² dκ over all κ (Eq. 29). The q_l are smooth,
+because the phases of the forces are taken out, and are computed once on a grid of β for every receiving
+frequency.
+"""
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from railvib import blocks, cost
+from railvib.forces import arrivals, force_matrices
+from railvib.panels import BARYCENTRIC, NODE, ORDER, WEIGHT, lagrange_weights
+from railvib.receptance import Receptances
+from railvib.transfer import TransferFunction
+from railvib.unevenness import Unevenness
+from railvib.vehicle import Train
+
+_FINE_HZ = 0.025
+_FINE_UP_TO_HZ = 4.0
+_COARSE_HZ = 0.1
+_LOWEST_HZ = 0.005
+_LINES_AT_ONCE = 64
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """q_l(β) on two uniform grids of β that join: fine over the vehicles' own frequencies, coarser above."""
+
+    step: tuple[float, float]
+    """Steps of both grids, rad/m."""
+    joint: int
+    """Points of the fine grid; the coarse one starts at its last."""
+    amplitude: np.ndarray
+    """q_l, N/√(rad/m), complex (β, axles)."""
+    axle_position: np.ndarray
+    """α, m, (axles,)."""
+
+
+def excitation(
+    train: Train,
+    moving: Receptances,
+    unevenness: Unevenness,
+    speed: float,
+    maximum_frequency: float,
+    refinement: float = 1.0,
+) -> Excitation:
+    """Return the forces of the full model over the wavenumber of the unevenness.
+
+    Parameters
+    ----------
+    train, unevenness
+        The train and the rails' unevenness.
+    moving
+        The rail's receptances at the train's speed.
+    speed
+        m/s.
+    maximum_frequency
+        Highest frequency of excitation, Hz.
+    refinement
+        Factor by which the grids are finer than usual.
+    """
+    span = float(np.ptp(train.axle_positions))
+    per_hz = 2.0 * np.pi / speed
+    fine = min(_FINE_HZ * per_hz, 0.25 / span) / refinement
+    coarse = min(_COARSE_HZ * per_hz, 1.0 / span) / refinement
+    joint = int(np.ceil(_FINE_UP_TO_HZ * per_hz / fine)) + 1
+    first = fine * np.arange(joint)
+    count = int(np.ceil((maximum_frequency * per_hz - first[-1]) / coarse))
+    beta = np.concatenate([first, first[-1] + coarse * np.arange(1, max(count, 8) + 1)])
+    frequency = np.maximum(beta / per_hz, _LOWEST_HZ)
+    phase = arrivals(train, frequency, speed)
+    force = np.einsum("flp,fp->fl", force_matrices(train, moving, frequency), phase)
+    amplitude = force * phase.conj() * np.sqrt(unevenness.psd(frequency * per_hz))[:, None]
+    return Excitation((fine, coarse), joint, amplitude, train.axle_positions)
+
+
+def passage_spectrum(
+    receiver: TransferFunction, excited: Excitation, train_length: float, speed: float, frequency: np.ndarray
+) -> np.ndarray:
+    """Return the PSD of displacement at a fixed point, averaged over the passage (Eq. 29 over T).
+
+    Parameters
+    ----------
+    receiver
+        The receiver's tabulated transfer function.
+    excited
+        The forces, from `excitation`.
+    train_length
+        L, m; the passage takes T = L/v.
+    speed
+        m/s.
+    frequency
+        Receiving frequencies, Hz, (n,).
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        One-sided PSD, m²/Hz.
+    """
+    psd = np.empty(frequency.size)
+    which = blocks.assigned(frequency, receiver.blocks)
+    with cost.stage("passage") as spent:
+        for block in np.unique(which):
+            table = receiver.blocks[int(block)]
+            lines = np.flatnonzero(which == block)
+            for start in range(0, lines.size, _LINES_AT_ONCE):
+                here = lines[start : start + _LINES_AT_ONCE]
+                f = frequency[here]
+                _beta, transfer = table.at(f)
+                turn = np.exp(2j * np.pi / speed * f[:, None] * excited.axle_position)
+                ahead = turn @ excited.amplitude.T
+                behind = turn @ excited.amplitude.conj().T
+                psd[here] = _wavenumber_integrals(
+                    table.nodes.panel_edges(f),
+                    transfer,
+                    2.0 * np.pi * f / speed,
+                    ahead,
+                    behind,
+                    excited.step[0],
+                    excited.step[1],
+                    excited.joint,
+                )
+                spent.evaluations += 2 * transfer.size
+                spent.kernel_calls += 1
+    return np.asarray(psd / (train_length * speed))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _amplitude(beta, ahead, behind, fine, coarse, joint, weight):
+    """Return |A(β)|² from its values on the two joined grids; ahead for β ≥ 0, behind for −β."""
+    row = ahead if beta >= 0.0 else behind
+    b = abs(beta)
+    last = fine * (joint - 1)
+    if b < last:
+        at = b / fine
+        low = 0
+        high = joint
+    else:
+        at = (b - last) / coarse + joint - 1
+        low = joint - 1
+        high = row.shape[0]
+    if at > row.shape[0] - 1:
+        return 0.0
+    first = min(max(int(np.floor(at)) - 3, low), high - 8)
+    t = at - first
+    lagrange_weights(t, weight)
+    value = 0j
+    for m in range(8):
+        value += weight[m] * row[first + m]
+    return value.real * value.real + value.imag * value.imag
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _wavenumber_integrals(edge, transfer, shift, ahead, behind, fine, coarse, joint):
+    """Return ∫ |H̃(κ)|² |A(κ + shift)|² dκ for every line.
+
+    A panel of the table is cut where the unevenness' wavenumber β = κ + shift changes sign, and into parts
+    that are short against β near there, where the vehicles' own resonances lie, and against the axles'
+    distances everywhere.
+    """
+    lagrange = np.empty(8)
+    out = np.zeros(edge.shape[0])
+    shortest = 12.0 * fine
+    longest = 6.0 * coarse * 10.0
+    for i in range(edge.shape[0]):
+        total = 0.0
+        for p in range(edge.shape[1] - 1):
+            low = edge[i, p]
+            high = edge[i, p + 1]
+            middle = 0.5 * (low + high)
+            half = 0.5 * (high - low)
+            for side in (-1.0, 1.0):
+                start = low
+                while start < high * (1.0 - 1e-12):
+                    beta = side * start + shift[i]
+                    end = min(high, start + min(max(0.5 * abs(beta), shortest), longest))
+                    zero = -side * shift[i]  # the |κ| at which β = 0, on the side where there is one
+                    if start < zero * (1.0 - 1e-12) and end > zero:
+                        end = zero
+                    if high - end < 0.1 * (end - start):
+                        end = high
+                    own = start == low and end == high
+                    for j in range(ORDER):
+                        kappa = 0.5 * (start + end) + 0.5 * (end - start) * NODE[j]
+                        if own:
+                            h = transfer[i, p * ORDER + j]
+                        else:
+                            x = (kappa - middle) / half
+                            numerator = 0j
+                            denominator = 0.0
+                            for k in range(ORDER):
+                                d = x - NODE[k]
+                                if d == 0.0:
+                                    d = 1e-300
+                                w = BARYCENTRIC[k] / d
+                                numerator += w * transfer[i, p * ORDER + k]
+                                denominator += w
+                            h = numerator / denominator
+                        squared = h.real * h.real + h.imag * h.imag
+                        a = _amplitude(
+                            side * kappa + shift[i], ahead[i], behind[i], fine, coarse, joint, lagrange
+                        )
+                        total += 0.5 * (end - start) * WEIGHT[j] * squared * a
+                    start = end
+        out[i] = total
+    return out
+
+
+def quasi_static_spectrum(
+    receiver: TransferFunction, train: Train, speed: float, frequency: np.ndarray
+) -> np.ndarray:
+    """Return the PSD of displacement at a fixed point from the moving axle loads: |S_0(f; 0)|²·2/T.
+
+    Parameters
+    ----------
+    receiver
+        The receiver's tabulated transfer function.
+    train
+        The train.
+    speed
+        m/s.
+    frequency
+        Receiving frequencies, Hz, (n,).
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        One-sided PSD, m²/Hz.
+    """
+    kappa = 2.0 * np.pi * frequency / speed
+    with cost.stage("quasi-static") as spent:
+        transfer = receiver.along(frequency, kappa)
+        load = np.exp(1j * kappa[:, None] * train.axle_positions) @ train.axle_loads
+        spent.evaluations += frequency.size
+    return np.asarray(np.abs(transfer * load / speed) ** 2 * 2.0 * speed / train.length)

@@ -1,0 +1,291 @@
+"""One case from Python: no cluster, no files."""
+
+import warnings
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from railvib import bands, blocks
+from railvib.errors import InputError, PlausibilityWarning
+from railvib.forces import axle_distances
+from railvib.ground import Ground
+from railvib.moving_roughness import line_integrals
+from railvib.plausibility import check_speed
+from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
+from railvib.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
+from railvib.tabulation import largest_wavenumber, transfer_blocks
+from railvib.track import Track
+from railvib.train_average import train_integrals
+from railvib.transfer import Receiver, TransferBlock, TransferFunction
+from railvib.unevenness import Unevenness
+from railvib.vehicle import Train
+
+if TYPE_CHECKING:
+    import xarray
+
+_DEFAULT_APPROACHES: tuple[Approach, ...] = ("moving-roughness", "moving-roughness-uncorrelated", "full")
+
+
+@lru_cache(maxsize=64)
+def _rail_block(ground: Ground, track: Track, block: int, tolerance: float) -> TransferBlock:
+    return transfer_blocks(ground, track, block, ["rail"], tolerance)["rail"]
+
+
+def rail_receptance(
+    track: Track,
+    ground: Ground,
+    frequency: npt.ArrayLike,
+    distance: npt.ArrayLike = 0.0,
+    speed: float = 0.0,
+    tolerance: float = 1e-4,
+) -> np.ndarray:
+    """Return the rail's displacement at a distance ahead of a standing or moving harmonic load.
+
+    Parameters
+    ----------
+    track, ground
+        The track, and the ground under it.
+    frequency
+        Frequency of the load, Hz, not negative.
+    distance
+        Signed distance ahead of the load, m. Both broadcast.
+    speed
+        Speed of the load, m/s, not negative.
+    tolerance
+        Relative error allowed.
+
+    Returns
+    -------
+    ndarray of complex
+        σ_R(d, ω; v), m/N.
+
+    Raises
+    ------
+    InputError
+        If a frequency or the speed is negative or not finite.
+
+    Notes
+    -----
+    Eq. 14 and 19 of the paper; CONVENTIONS section 3. The tables of a ground and a track are kept for the
+    next call.
+    """
+    f, d = np.broadcast_arrays(np.asarray(frequency, float), np.asarray(distance, float))
+    if not (np.all(np.isfinite(f)) and np.all(f >= 0.0)):
+        raise InputError(f"frequency = {frequency!r} Hz: must be finite and not negative")
+    if not (np.isfinite(speed) and speed >= 0.0):
+        raise InputError(f"speed = {speed} m/s: must be finite and not negative")
+    if speed == 0.0:
+        needed = sorted({int(each) for each in blocks.assigned(f.ravel(), range(blocks.LOWEST, 20))})
+    else:
+        needed = list(blocks.up_to(highest_tabulated_frequency(track, float(f.max()), speed)))
+    rail = TransferFunction(_rail_block(ground, track, block, tolerance) for block in needed)
+    out = np.empty(f.shape, complex)
+    for each in np.unique(f):
+        here = f == each
+        out[here] = receptances(rail, track, speed, d[here], [each], tolerance)[0]
+    return out[()]
+
+
+def predict(
+    ground: Ground,
+    track: Track,
+    train: Train,
+    unevenness: Unevenness,
+    speed: float,
+    offsets: Iterable[float] = (),
+    *,
+    rail: bool = True,
+    approaches: Sequence[Approach] = _DEFAULT_APPROACHES,
+    averaging: Literal["line", "train"] = "line",
+    minimum_frequency: float = 1.0,
+    maximum_frequency: float = 100.0,
+    tolerance: float = 1e-4,
+) -> "xarray.Dataset":
+    """Predict the vibration of one case by several approaches.
+
+    Parameters
+    ----------
+    ground, track, train, unevenness
+        What the case is made of.
+    speed
+        m/s, positive.
+    offsets
+        Distances of ground receivers from the centre line, m, not negative.
+    rail
+        Whether the rail is a receiver too.
+    approaches
+        Which approaches; see `railvib.spectra.APPROACHES`.
+    averaging
+        Moving roughness averaged over the whole line, as a full pass-by sees it, or over the length of the
+        train (Eq. 26).
+    minimum_frequency, maximum_frequency
+        Centres of the lowest and the highest one-third octave, Hz.
+    tolerance
+        Relative error allowed in the transfer functions.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``velocity_psd`` and ``velocity_mean_square`` over (approach, contribution, receiver, frequency or
+        band), ``force_psd`` and ``force_mean_square`` over (approach, axle, …), in SI units; axle 1 leads.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
+    """
+    asked = tuple(sorted({float(each) for each in offsets}))
+    _check(speed, asked, approaches, rail)
+    check_speed(ground, track, speed, maximum_frequency)
+    midband = bands.midbands(minimum_frequency, maximum_frequency)
+    receivers: list[Receiver] = ["rail", *asked] if rail else [*asked]
+    highest = highest_excitation(midband, largest_wavenumber(track), speed)
+    covering = _covering(midband)
+    moving = "full" in approaches
+    tables: dict[Receiver, list[TransferBlock]] = {"rail": [], **{each: [] for each in asked}}
+    top = (
+        highest_tabulated_frequency(track, _reach(highest), speed)
+        if moving
+        else blocks.edges(covering[-1])[1]
+    )
+    for block in blocks.up_to(top):
+        wanted: list[Receiver] = ["rail", *asked] if block in covering else ["rail"]
+        for receiver, table in transfer_blocks(ground, track, block, wanted, tolerance).items():
+            tables[receiver].append(table)
+    _report(tables, tolerance)
+    functions = {receiver: TransferFunction(table) for receiver, table in tables.items()}
+    distances = axle_distances(train)
+    frequency = lines(midband, line_step(train.length, speed))
+    made: list[Spectra] = []
+    rails: dict[float, Receptances] = {}
+    integrals = None
+    over_train = None
+    for approach in approaches:
+        v = speed if approach == "full" else 0.0
+        if v not in rails:
+            wanted_blocks = blocks.up_to(highest) if v else covering
+            rails[v] = Receptances(
+                receptance_block(functions["rail"], track, v, distances, block, tolerance)
+                for block in wanted_blocks
+            )
+        if approach != "full" and integrals is None:
+            integrals = {each: line_integrals(functions[each], distances, frequency) for each in receivers}
+            if averaging == "train":
+                over_train = {
+                    each: train_integrals(functions[each], train.axle_positions, frequency)
+                    for each in receivers
+                }
+        made.append(
+            spectra(
+                approach,
+                train,
+                unevenness,
+                speed,
+                midband,
+                rails[v],
+                {each: functions[each] for each in receivers},
+                integrals,
+                highest,
+                over_train,
+            )
+        )
+    return _dataset(made, averaging)
+
+
+def _covering(midband: np.ndarray) -> range:
+    lower, upper = bands.edges(midband)
+    ends = np.array([lower[0] * (1.0 + 1e-9), upper[-1] * (1.0 - 1e-9)])
+    first, last = blocks.assigned(ends, range(blocks.LOWEST, 20))
+    return range(int(first), int(last) + 1)
+
+
+def _reach(highest: float) -> float:
+    """Return up to which frequency receptances are tabulated when they are needed up to `highest`, Hz."""
+    last = blocks.up_to(highest)[-1]
+    return float(blocks.frequency(0, blocks.indices(last, 0)[-1]))
+
+
+def _check(speed: float, offsets: tuple[float, ...], approaches: Sequence[str], rail: bool) -> None:
+    if not (np.isfinite(speed) and speed > 0.0):
+        raise InputError(f"speed = {speed} m/s: must be positive and finite")
+    for offset in offsets:
+        if not (np.isfinite(offset) and offset >= 0.0):
+            raise InputError(f"offset = {offset} m: must be finite and not negative")
+    for approach in approaches:
+        if approach not in APPROACHES:
+            raise InputError(f"approach = {approach!r}: must be one of {', '.join(APPROACHES)}")
+    if not offsets and not rail:
+        raise InputError("offsets is empty and rail is False: there is no receiver")
+
+
+def _report(tables: dict[Receiver, list[TransferBlock]], tolerance: float) -> None:
+    for receiver, table in tables.items():
+        worst = max(table, key=lambda each: each.interpolation_error)
+        if worst.interpolation_error > tolerance:
+            low, high = blocks.edges(worst.block)
+            name = "the rail" if receiver == "rail" else f"the ground at {receiver:g} m"
+            warnings.warn(
+                f"transfer function of {name}: relative error {worst.interpolation_error:.1e} between "
+                f"{low:.3g} and {high:.3g} Hz exceeds the tolerance {tolerance:g}",
+                PlausibilityWarning,
+                stacklevel=3,
+            )
+
+
+def _dataset(made: Sequence[Spectra], averaging: str) -> "xarray.Dataset":
+    import xarray
+
+    first = made[0]
+    force = first.quantity == "wheel_rail_force"
+    contributions = ["dynamic", "quasi-static", "total"]
+    at = first.contribution == "quasi-static"
+    names = [
+        "rail" if name == "rail" else f"ground {y:g} m"
+        for name, y in zip(first.receiver[at], first.offset_m[at], strict=True)
+    ]
+
+    def rows(each: Spectra, contribution: str) -> np.ndarray:
+        # The full model and the quasi-static response are those of a whole pass-by, however the moving
+        # roughness is averaged.
+        there = (each.contribution == contribution) & (each.quantity == "velocity")
+        averaged = there & (each.averaging == averaging)
+        return np.asarray(averaged if averaged.any() else there)
+
+    return xarray.Dataset(
+        {
+            "velocity_psd": (
+                ("approach", "contribution", "receiver", "frequency"),
+                np.array([[each.psd[rows(each, name)] for name in contributions] for each in made]),
+                {"unit": "(m/s)2/Hz"},
+            ),
+            "velocity_mean_square": (
+                ("approach", "contribution", "receiver", "band"),
+                np.array([[each.mean_square[rows(each, name)] for name in contributions] for each in made]),
+                {"unit": "(m/s)2"},
+            ),
+            "force_psd": (
+                ("approach", "axle", "frequency"),
+                np.array([each.psd[each.quantity == "wheel_rail_force"] for each in made]),
+                {"unit": "N2/Hz"},
+            ),
+            "force_mean_square": (
+                ("approach", "axle", "band"),
+                np.array([each.mean_square[each.quantity == "wheel_rail_force"] for each in made]),
+                {"unit": "N2"},
+            ),
+            "extrapolated_share": (("band",), first.extrapolated_share, {"unit": "1"}),
+        },
+        coords={
+            "approach": [each.approach for each in made],
+            "contribution": contributions,
+            "receiver": names,
+            "offset": ("receiver", first.offset_m[at], {"unit": "m"}),
+            "axle": [int(name.removeprefix("axle-")) for name in first.receiver[force]],
+            "frequency": ("frequency", first.frequency, {"unit": "Hz"}),
+            "band": ("band", first.band, {"unit": "Hz"}),
+        },
+        attrs={"averaging": averaging},
+    ).sortby("axle")

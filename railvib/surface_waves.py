@@ -1,0 +1,113 @@
+"""Surface waves of the ground: its Rayleigh modes, and the wave that track and ground carry together."""
+
+import numpy as np
+
+from railvib.errors import InputError
+from railvib.flexibility import surface_flexibilities
+from railvib.ground import Ground
+from railvib.rational_fit import fit_flexibility
+from railvib.strip import strip_compliances
+from railvib.track import Track, track_response
+
+_MOST_STEPS = 60
+
+
+def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
+    """Return the phase speeds of the Rayleigh modes at one frequency, ascending: the fundamental mode first.
+
+    Parameters
+    ----------
+    ground
+        The layered ground. Nearly elastic ground (loss factor 1e-3 or less) gives the classical dispersion
+        curves; damping shifts a mode by about the square of its loss factor, and strongly damped modes are
+        left out.
+    frequency
+        Frequency, Hz, positive.
+
+    Returns
+    -------
+    ndarray
+        m/s; empty where no mode propagates.
+
+    Raises
+    ------
+    InputError
+        If the frequency is not positive.
+
+    Notes
+    -----
+    A mode is a pole of Q33. The poles of the rational fit near the real axis start a Newton iteration on
+    1/Q33 itself, which drops those that stand for a branch cut.
+    """
+    if not frequency > 0.0:
+        raise InputError(f"frequency = {frequency} Hz: surface waves have a positive frequency")
+    omega = 2.0 * np.pi * frequency
+    stack = ground.stack()
+    rigid = ground.base == "rigid"
+    start = np.sqrt(fit_flexibility(ground, frequency, 1e-9).pole)
+    # A mode decays by η/2 times the ratio of its phase speed to its group speed, which may reach a few.
+    limit = min(3.0 * max(layer.loss_factor for layer in ground.layers), 0.5) + 1e-6
+    fastest = (
+        max(layer.shear_speed for layer in ground.layers[-1:])
+        if not rigid
+        else 20.0 * max(ground.wave_speeds())
+    )
+    near = start[
+        (np.abs(start.imag) < (limit + 0.02) * start.real)
+        & (start.real < 1.05 * omega / ground.slowest_speed)
+        & (start.real > 0.95 * omega / fastest)
+    ]
+
+    def inverse(k: np.ndarray) -> np.ndarray:
+        return 1.0 / np.asarray(surface_flexibilities(np.ascontiguousarray(k), omega, stack, rigid))
+
+    found: list[complex] = []
+    for first in near:
+        k = complex(first.real, -abs(first.imag))
+        older, old = k * (1.0 + 1e-6), k
+        values = inverse(np.array([older, old]))
+        for _ in range(_MOST_STEPS):
+            difference = values[1] - values[0]
+            if difference == 0.0:
+                break
+            new = old - values[1] * (old - older) / difference
+            older, old = old, new
+            values = np.array([values[1], inverse(np.array([new]))[0]])
+            if abs(old - older) < 1e-13 * abs(old):
+                break
+        small = abs(values[1]) < 1e-8 * abs(inverse(np.array([1.01 * k]))[0])
+        decays = abs(old.imag) <= limit * old.real
+        slower = rigid or old.real > omega / fastest
+        if (
+            small
+            and decays
+            and slower
+            and abs(old - k) < 0.1 * abs(k)
+            and all(abs(old - k) > 1e-7 * abs(k) for k in found)
+        ):
+            found.append(old)
+    return np.sort(omega / np.array([k.real for k in found]))
+
+
+def critical_speed(ground: Ground, track: Track, maximum_frequency: float = 100.0) -> float:
+    """Return the lowest phase speed of the wave that track and ground carry together, m/s.
+
+    A load that moves faster outruns that wave. It is found from the peaks of |H̃_R(β, ω)| over wavenumber, at
+    frequencies from 1 Hz up to `maximum_frequency`; infinite where there is no peak.
+    """
+    slowest = np.inf
+    start = None
+    for frequency in np.geomspace(1.0, max(maximum_frequency, 2.0), 30):
+        omega = 2.0 * np.pi * frequency
+        fit = fit_flexibility(ground, float(frequency), 1e-6, start)
+        start = fit.support
+        speed = np.linspace(3.0, 0.3, 400) * ground.slowest_speed
+        real, imag = strip_compliances(
+            omega / speed, fit.pole, fit.residue, fit.constant, track.half_width, np.array([0.0])
+        )
+        rail, _force = track_response(track, omega / speed, omega, real[0] + 1j * imag[0])
+        size = np.abs(rail)
+        peak = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:])) + 1
+        if peak.size:
+            slowest = min(slowest, float(speed[peak[size[peak].argmax()]]))
+    return float(slowest)

@@ -1,0 +1,274 @@
+"""Making the tables of transfer functions: nodes, levels of frequencies, and the checks that they pass.
+
+A table depends on its own inputs only. Receivers fall into classes by distance (8, 16, 32, … m); the panels
+of a class are halved until the functions are resolved at its far end, so that the receivers of one class
+share their nodes, and none depends on which others were asked for. Each receiver then takes the first level
+of frequencies at which interpolation between them passes a check against direct evaluation half-way.
+"""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from railvib import blocks, cost
+from railvib.ground import Ground
+from railvib.ground_fits import GroundFits
+from railvib.panels import unresolved
+from railvib.quadrature import strip_compliance_by_quadrature
+from railvib.strip import strip_compliances
+from railvib.track import Track, track_response
+from railvib.transfer import Nodes, Receiver, TransferBlock, decay
+
+Evaluate = Callable[[int, int, np.ndarray], np.ndarray]
+"""Of level, frequency index and wavenumbers (n,): rail and ground at all offsets, (1 + offsets, n)."""
+
+MOST_LEVELS = 5
+_MOST_HALVINGS = 12
+_CHECKS = 5
+
+
+def largest_wavenumber(track: Track) -> float:
+    """Return β beyond which the rail on its pads carries the load alone, rad/m: EI β⁴ is 2000 pads."""
+    return float((2000.0 * track.pad_stiffness / track.rail_bending_stiffness) ** 0.25)
+
+
+def distance_class(receiver: Receiver) -> float:
+    """Return the farthest distance of the receiver's class, m: 8, 16, 32, …; 8 for the rail."""
+    if receiver == "rail":
+        return 8.0
+    return float(8.0 * 2.0 ** max(np.ceil(np.log2(max(float(receiver), 1.0) / 8.0)), 0.0))
+
+
+def transfer_blocks(
+    ground: Ground, track: Track, block: int, receivers: Iterable[Receiver], tolerance: float = 1e-4
+) -> dict[Receiver, TransferBlock]:
+    """Tabulate the transfer functions of several receivers over one block of frequencies.
+
+    Parameters
+    ----------
+    ground, track
+        The ground, and the track on it.
+    block
+        Index of the block, see `railvib.blocks`.
+    receivers
+        ``"rail"`` and distances from the centre line in m.
+    tolerance
+        Relative error allowed where a function exceeds 1e-8 of its peak.
+
+    Returns
+    -------
+    dict
+        A `TransferBlock` per receiver, the same whichever others were asked for with it.
+    """
+    fits = GroundFits(ground, block, 1e-6 * tolerance)
+    classes: dict[float, set[Receiver]] = {}
+    for receiver in receivers:
+        classes.setdefault(distance_class(receiver), set()).add(receiver)
+    made: dict[Receiver, TransferBlock] = {}
+    for reach, members in sorted(classes.items()):
+        nodes = _resolved_nodes(_Evaluation(fits, track, (0.0, reach), tolerance), tolerance)
+        made.update(_tables(fits, track, nodes, members, tolerance))
+    return made
+
+
+class _Evaluation:
+    """Direct evaluation of the transfer functions of the rail and of the ground at some offsets."""
+
+    def __init__(self, fits: GroundFits, track: Track, offsets: Iterable[float], tolerance: float) -> None:
+        self.fits = fits
+        self.track = track
+        self.offsets = np.unique([0.0, *offsets])
+        self.tolerance = tolerance
+        self.failed: set[float] = set()
+
+    def row(self, receiver: Receiver) -> int:
+        """Return the row of a receiver in what a call returns."""
+        return 0 if receiver == "rail" else 1 + int(np.searchsorted(self.offsets, float(receiver)))
+
+    def __call__(self, level: int, k: int, beta: np.ndarray) -> np.ndarray:
+        f = float(blocks.frequency(level, k))
+        fit = self.fits.at(level, k)
+        b = self.track.half_width
+        with cost.stage("transfer functions") as spent:
+            if fit.error <= 1e-2 * self.tolerance:
+                real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, self.offsets)
+                compliance = real + 1j * imag
+            else:
+                self.failed.add(f)
+                compliance = np.array(
+                    [
+                        strip_compliance_by_quadrature(
+                            self.fits.ground, b, each, self.offsets, f, 1e-3 * self.tolerance
+                        )
+                        for each in beta
+                    ]
+                ).T
+            rail, force = track_response(self.track, beta, 2.0 * np.pi * f, compliance[0])
+            spent.evaluations += beta.size
+            spent.kernel_calls += 1
+        return np.concatenate([rail[None], force * compliance])
+
+
+def _resolved_nodes(evaluate: _Evaluation, tolerance: float) -> Nodes:
+    """Halve panels until the last Legendre coefficients of every function are small, at three frequencies."""
+    ground, block = evaluate.fits.ground, evaluate.fits.block
+    ks = blocks.indices(block, 0)[[0, blocks.HALO + blocks.STEPS // 2, -1]]
+    frequency = blocks.frequency(0, ks)
+    top = 1.3 / ground.slowest_speed
+    largest = max(largest_wavenumber(evaluate.track), 2.0 * 2.0 * np.pi * float(frequency[-1]) * top)
+    edge = np.unique(
+        [0.0, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, *(1.0 / (speed * top) for speed in ground.wave_speeds())]
+    )
+    pending = np.stack([edge[:-1], edge[1:]], axis=1)
+    finished: list[np.ndarray] = []
+    peak = np.zeros((ks.size, 1 + evaluate.offsets.size))
+    for _ in range(_MOST_HALVINGS):
+        # Each pending panel alone, between its own two edges.
+        beta = np.concatenate([Nodes(top, largest, each).wavenumber(frequency) for each in pending], axis=1)
+        values = np.array([evaluate(0, int(k), row) for k, row in zip(ks, beta, strict=True)])
+        peak = np.maximum(peak, np.abs(values).max(axis=2))
+        bad = (unresolved(values) > 1e-2 * tolerance * peak[..., None]).any(axis=(0, 1))
+        finished.append(pending[~bad])
+        middle = pending[bad].mean(axis=1)
+        pending = np.concatenate(
+            [np.stack([pending[bad, 0], middle], axis=1), np.stack([middle, pending[bad, 1]], axis=1)]
+        )
+        if not bad.any():
+            break
+    return Nodes(top, largest, np.append(np.sort(np.concatenate([*finished, pending])[:, 0]), 2.0))
+
+
+def _tables(
+    fits: GroundFits, track: Track, nodes: Nodes, receivers: set[Receiver], tolerance: float
+) -> dict[Receiver, TransferBlock]:
+    """Tabulate receivers on given nodes, each at the first level that passes its check."""
+    made: dict[Receiver, TransferBlock] = {}
+    for level in range(MOST_LEVELS + 1):
+        pending = sorted(receivers - made.keys(), key=str)
+        if not pending:
+            break
+        evaluate = _Evaluation(fits, track, [float(r) for r in pending if r != "rail"], tolerance)
+        ks = blocks.indices(fits.block, level)
+        frequency = blocks.frequency(level, ks)
+        beta = nodes.wavenumber(frequency)
+        values = np.array([evaluate(level, int(k), each) for k, each in zip(ks, beta, strict=True)])
+        halfway = blocks.halfway(fits.block, level, _CHECKS)
+        f_halfway = blocks.frequency(level + 1, halfway)
+        beta_halfway = nodes.wavenumber(f_halfway)
+        direct = np.array(
+            [evaluate(level + 1, int(k), each) for k, each in zip(halfway, beta_halfway, strict=True)]
+        )
+        for receiver in pending:
+            row = evaluate.row(receiver)
+            distance = 0.0 if receiver == "rail" else max(float(receiver) - track.half_width, 0.0)
+            slowness, error = min(
+                (
+                    (
+                        each,
+                        _interpolation_error(
+                            fits.block, level, nodes, values[:, row], direct[:, row], distance, each
+                        ),
+                    )
+                    for each in (_reference_slownesses(fits) if distance > 0.0 else [0.0])
+                ),
+                key=lambda pair: pair[1],
+            )
+            if error > tolerance and level < MOST_LEVELS:
+                continue
+            made[receiver] = TransferBlock(
+                frequency=frequency,
+                wavenumber=beta,
+                transfer=np.ascontiguousarray(values[:, row]),
+                **_rational_form(fits, level, ks),
+                edge=nodes.edge,
+                block=fits.block,
+                level=level,
+                top_slowness=nodes.top_slowness,
+                largest=nodes.largest,
+                distance=distance,
+                reference_slowness=slowness,
+                interpolation_error=error,
+                compliance_error=_compliance_error(
+                    fits, track, 0.0 if receiver == "rail" else float(receiver), tolerance
+                ),
+                quadrature_share=len(evaluate.failed) / (frequency.size + halfway.size),
+            )
+    return made
+
+
+def _rational_form(fits: GroundFits, level: int, ks: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the fits of a level as the arrays of a table, terms that a frequency lacks filled with NaN."""
+    made = [fits.at(level, int(k)) for k in ks]
+    terms = max(each.pole.size for each in made)
+    pole = np.full((ks.size, terms), complex(np.nan, np.nan))
+    residue = pole.copy()
+    for row, fit in enumerate(made):
+        pole[row, : fit.pole.size] = fit.pole
+        residue[row, : fit.pole.size] = fit.residue
+    return {
+        "pole": pole,
+        "residue": residue,
+        "constant": np.array([each.constant for each in made]),
+        "fit_error": np.array([each.error for each in made]),
+    }
+
+
+def _interpolation_error(
+    block: int,
+    level: int,
+    nodes: Nodes,
+    values: np.ndarray,
+    direct: np.ndarray,
+    distance: float,
+    slowness: float,
+) -> float:
+    """Return the largest relative error half-way between frequencies, above 1e-8 of the peak."""
+    tabulated = blocks.frequency(level, blocks.indices(block, level))
+    frequency = blocks.frequency(level + 1, blocks.halfway(block, level, _CHECKS))
+    weights = blocks.interpolation_weights(block, level, frequency)
+    reduced = values / decay(tabulated[:, None], nodes.wavenumber(tabulated), distance, slowness)
+    interpolated = (weights @ reduced) * decay(
+        frequency[:, None], nodes.wavenumber(frequency), distance, slowness
+    )
+    size = np.abs(direct)
+    return float(
+        (np.abs(interpolated - direct) / np.maximum(size, 1e-8 * size.max(axis=1, keepdims=True))).max()
+    )
+
+
+def _reference_slownesses(fits: GroundFits) -> list[float]:
+    """Return slownesses of waves whose phase might be taken out, s/m: none, body waves, surface waves."""
+    ground = fits.ground
+    k = int(blocks.indices(fits.block, 0)[blocks.HALO + blocks.STEPS // 2])
+    omega = 2.0 * np.pi * float(blocks.frequency(0, k))
+    wave = np.sqrt(fits.at(0, k).pole)
+    loss = max(max(layer.loss_factor for layer in ground.layers), 1e-3)
+    surface = (
+        wave[
+            (wave.real < 1.2 * omega / ground.slowest_speed) & (np.abs(wave.imag) <= 0.6 * loss * wave.real)
+        ].real
+        / omega
+    )
+    ends = [surface.min(), surface.max()] if surface.size else []
+    return sorted({0.0, *(1.0 / speed for speed in ground.wave_speeds()), *ends})
+
+
+def _compliance_error(fits: GroundFits, track: Track, offset: float, tolerance: float) -> float:
+    """Return the largest relative error of C(β, y) against direct quadrature at a few places."""
+    ks = blocks.indices(fits.block, 0)
+    offsets = np.unique([0.0, offset])
+    b = track.half_width
+    worst = 0.0
+    with cost.stage("certificate") as spent:
+        for k in (int(ks[0]), int(ks[-1])):
+            f = float(blocks.frequency(0, k))
+            fit = fits.at(0, k)
+            for beta in 2.0 * np.pi * f / fits.ground.slowest_speed * np.array([0.05, 0.7, 1.2]):
+                direct = strip_compliance_by_quadrature(fits.ground, b, beta, offsets, f, 1e-2 * tolerance)
+                real, imag = strip_compliances(
+                    np.array([beta]), fit.pole, fit.residue, fit.constant, b, offsets
+                )
+                size = np.maximum(np.abs(direct), 1e-8 * np.abs(direct[0]))
+                worst = max(worst, float((np.abs(real[:, 0] + 1j * imag[:, 0] - direct) / size).max()))
+                spent.evaluations += 1
+    return worst

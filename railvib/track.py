@@ -1,0 +1,154 @@
+"""The track: two rails as one beam on pads, on sleepers or a slab, on ballast-like layers, on the ground.
+
+All values are per metre of track and for both rails together. Hysteretic damping as in the ground: a
+stiffness is multiplied by 1 + iη sgn ω.
+"""
+
+from typing import Literal, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, model_validator
+
+from railvib.parameters import LossFactor, NonNegative, Parameters, Positive
+
+
+class TrackLayer(Parameters):
+    """Distributed vertical springs with consistent mass: ballast, sub-ballast, embankment, slab mat."""
+
+    stiffness: Positive = Field(alias="stiffness_n_m2")
+    """Vertical stiffness per length of track, N/m²."""
+    mass: NonNegative = Field(default=0.0, alias="mass_kg_m")
+    """Mass per length of track, kg/m."""
+    loss_factor: LossFactor = 0.0
+    """Hysteretic loss factor."""
+
+
+class Track(Parameters):
+    """A ballasted or a slab track with an invariant cross-section.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or does not belong to the form of the track.
+    """
+
+    form: Literal["ballasted", "slab"] = "ballasted"
+    """Sleepers without bending stiffness along the track, or a slab as Euler beam."""
+    rail_bending_stiffness: Positive = Field(alias="rail_bending_stiffness_n_m2")
+    """Bending stiffness EI of both rails, N·m²."""
+    rail_mass: Positive = Field(alias="rail_mass_kg_m")
+    """Mass of both rails per length, kg/m."""
+    rail_loss_factor: LossFactor = 0.0
+    """Loss factor of the rails' bending stiffness."""
+    pad_stiffness: Positive = Field(alias="pad_stiffness_n_m2")
+    """Vertical stiffness of the rail pads per length of track, both rails, N/m²."""
+    pad_loss_factor: LossFactor = 0.0
+    """Loss factor of the rail pads."""
+    contact_width: Positive = Field(alias="contact_width_m")
+    """Width 2b over which the track presses on the ground, m."""
+    layers: tuple[TrackLayer, ...] = ()
+    """From the sleepers or the slab down: ballast, sub-ballast, embankment."""
+    sleeper_mass: NonNegative | None = Field(default=None, alias="sleeper_mass_kg_m")
+    """Ballasted track: mass of the sleepers per length, kg/m."""
+    slab_bending_stiffness: Positive | None = Field(default=None, alias="slab_bending_stiffness_n_m2")
+    """Slab track: bending stiffness of the slab along the track, N·m²."""
+    slab_mass: Positive | None = Field(default=None, alias="slab_mass_kg_m")
+    """Slab track: mass of the slab per length, kg/m."""
+    slab_loss_factor: LossFactor | None = None
+    """Slab track: loss factor of the slab's bending stiffness."""
+    mat: TrackLayer | None = None
+    """Slab track: resilient mat under the slab."""
+
+    @model_validator(mode="after")
+    def _fields_fit_form(self) -> Self:
+        needed = {"ballasted": ("sleeper_mass",), "slab": ("slab_bending_stiffness", "slab_mass")}
+        foreign = {
+            "ballasted": ("slab_bending_stiffness", "slab_mass", "slab_loss_factor", "mat"),
+            "slab": ("sleeper_mass",),
+        }
+        for name in needed[self.form]:
+            if getattr(self, name) is None:
+                raise ValueError(
+                    f"{type(self).model_fields[name].alias} is missing: a {self.form} track needs it"
+                )
+        for name in foreign[self.form]:
+            if getattr(self, name) is not None:
+                alias = type(self).model_fields[name].alias or name
+                raise ValueError(f"{alias} does not belong to a {self.form} track")
+        if self.form == "ballasted" and not self.layers:
+            raise ValueError("layers is empty: a ballasted track needs at least the ballast")
+        return self
+
+    @property
+    def half_width(self) -> float:
+        """Half the contact width b, m."""
+        return 0.5 * self.contact_width
+
+    @property
+    def bed(self) -> tuple[TrackLayer, ...]:
+        """All layers between the sleepers or the slab and the ground, from the top down."""
+        return (self.mat, *self.layers) if self.mat is not None else self.layers
+
+
+def _complex_stiffness(stiffness: float, loss_factor: float, omega: np.ndarray) -> np.ndarray:
+    return np.asarray(stiffness * (1.0 + 1j * loss_factor * np.sign(omega)))
+
+
+def track_response(
+    track: Track, wavenumber: npt.ArrayLike, omega: npt.ArrayLike, compliance: npt.ArrayLike
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rail's displacement and the force on the ground, per unit force on the rail.
+
+    Parameters
+    ----------
+    track
+        The track.
+    wavenumber
+        β along the track, rad/m.
+    omega
+        Angular frequency ω̂ that the fixed material sees, rad/s; its sign sets the sign of the damping.
+    compliance
+        C(β, 0, ω̂) of the ground under the track, m²/N; zero for a rigid ground.
+
+    Returns
+    -------
+    rail, force : ndarray of complex
+        H̃_R = w_R/F in m²/N, and F_ground/F, of the broadcast shape.
+
+    Notes
+    -----
+    CONVENTIONS section 3; Sheng, Jones and Petyt (1999). Written with the ground's flexibility, so that a
+    rigid or a very stiff ground needs no division by it.
+    """
+    beta = np.asarray(wavenumber, float)
+    w = np.asarray(omega, float)
+    c = np.asarray(compliance, complex)
+    force = np.ones(np.broadcast_shapes(beta.shape, w.shape, c.shape), complex)
+    # From the ground up: c is the flexibility seen from above, force the ground's force per displacement ×
+    # 1/flexibility.
+    for layer in reversed(track.bed):
+        k = _complex_stiffness(layer.stiffness, layer.loss_factor, w)
+        diagonal = k - w**2 * layer.mass / 3.0
+        coupling = k + w**2 * layer.mass / 6.0
+        # Force at the bottom per force at the top, and flexibility at the top.
+        bottom = 1.0 + diagonal * c
+        top = diagonal * bottom - coupling**2 * c
+        force = force * coupling / top
+        c = bottom / top
+    if track.form == "slab":
+        bending = _complex_stiffness(track.slab_bending_stiffness or 0.0, track.slab_loss_factor or 0.0, w)
+        inertia = bending * beta**4 - w**2 * (track.slab_mass or 0.0)
+    else:
+        inertia = -(w**2) * (track.sleeper_mass or 0.0)
+    loaded = 1.0 / (1.0 + inertia * c)
+    force = force * loaded
+    c = c * loaded
+    pad = _complex_stiffness(track.pad_stiffness, track.pad_loss_factor, w)
+    c = c + 1.0 / pad
+    rail = (
+        _complex_stiffness(track.rail_bending_stiffness, track.rail_loss_factor, w) * beta**4
+        - w**2 * track.rail_mass
+    )
+    loaded = 1.0 / (1.0 + rail * c)
+    return c * loaded, force * loaded
