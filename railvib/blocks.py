@@ -87,3 +87,12 @@ def assigned(f: np.ndarray, there: Iterable[int]) -> np.ndarray:
     """Return for each frequency in Hz its block, or the nearest of those that are there."""
     nearest = np.floor(PER_DECADE * (np.log10(np.maximum(f, 1e-9)) - SHIFT) + 1e-9)
     return np.asarray(np.clip(nearest, min(there), max(there)), int)
+
+
+def covering(lower: float, upper: float) -> range:
+    """Return the blocks that cover frequencies from `lower` to `upper`, Hz.
+
+    A band that ends at the edge of a block needs no further block: what lies just beyond is in the halo.
+    """
+    ends = PER_DECADE * (np.log10([lower, upper]) - SHIFT)
+    return range(max(int(np.floor(ends[0] + 1e-6)), LOWEST), max(int(np.ceil(ends[1] - 1e-6)), LOWEST + 1))

@@ -51,7 +51,7 @@ def excitation(
     unevenness: Unevenness,
     speed: float,
     maximum_frequency: float,
-    refinement: float = 1.0,
+    refinement: int = 1,
 ) -> Excitation:
     """Return the forces of the full model over the wavenumber of the unevenness.
 

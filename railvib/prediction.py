@@ -103,6 +103,7 @@ def predict(
     minimum_frequency: float = 1.0,
     maximum_frequency: float = 100.0,
     tolerance: float = 1e-4,
+    refinement: int = 1,
 ) -> "xarray.Dataset":
     """Predict the vibration of one case by several approaches.
 
@@ -125,6 +126,9 @@ def predict(
         Centres of the lowest and the highest one-third octave, Hz.
     tolerance
         Relative error allowed in the transfer functions.
+    refinement
+        For studies of convergence, a power of two: 2 halves all steps and panels that the tolerance asks for and
+        doubles the ranges of wavenumber and excitation.
 
     Returns
     -------
@@ -142,23 +146,24 @@ def predict(
     check_speed(ground, track, speed, maximum_frequency)
     midband = bands.midbands(minimum_frequency, maximum_frequency)
     receivers: list[Receiver] = ["rail", *asked] if rail else [*asked]
-    highest = highest_excitation(midband, largest_wavenumber(track), speed)
-    covering = _covering(midband)
+    highest = highest_excitation(midband, largest_wavenumber(track, refinement), speed, refinement)
+    lower, upper = bands.edges(midband)
+    covering = blocks.covering(float(lower[0]), float(upper[-1]))
     moving = "full" in approaches
     tables: dict[Receiver, list[TransferBlock]] = {"rail": [], **{each: [] for each in asked}}
     top = (
-        highest_tabulated_frequency(track, _reach(highest), speed)
+        highest_tabulated_frequency(track, _reach(highest), speed, refinement)
         if moving
         else blocks.edges(covering[-1])[1]
     )
     for block in blocks.up_to(top):
         wanted: list[Receiver] = ["rail", *asked] if block in covering else ["rail"]
-        for receiver, table in transfer_blocks(ground, track, block, wanted, tolerance).items():
+        for receiver, table in transfer_blocks(ground, track, block, wanted, tolerance, refinement).items():
             tables[receiver].append(table)
     _report(tables, tolerance)
     functions = {receiver: TransferFunction(table) for receiver, table in tables.items()}
     distances = axle_distances(train)
-    frequency = lines(midband, line_step(train.length, speed))
+    frequency = lines(midband, line_step(train.length, speed, refinement))
     made: list[Spectra] = []
     rails: dict[float, Receptances] = {}
     integrals = None
@@ -168,7 +173,7 @@ def predict(
         if v not in rails:
             wanted_blocks = blocks.up_to(highest) if v else covering
             rails[v] = Receptances(
-                receptance_block(functions["rail"], track, v, distances, block, tolerance)
+                receptance_block(functions["rail"], track, v, distances, block, tolerance, refinement)
                 for block in wanted_blocks
             )
         if approach != "full" and integrals is None:
@@ -190,16 +195,10 @@ def predict(
                 integrals,
                 highest,
                 over_train,
+                refinement,
             )
         )
     return _dataset(made, averaging)
-
-
-def _covering(midband: np.ndarray) -> range:
-    lower, upper = bands.edges(midband)
-    ends = np.array([lower[0] * (1.0 + 1e-9), upper[-1] * (1.0 - 1e-9)])
-    first, last = blocks.assigned(ends, range(blocks.LOWEST, 20))
-    return range(int(first), int(last) + 1)
 
 
 def _reach(highest: float) -> float:

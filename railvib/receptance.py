@@ -70,6 +70,7 @@ def receptance_block(
     distances: npt.ArrayLike,
     block: int,
     tolerance: float = 1e-4,
+    refinement: int = 1,
 ) -> ReceptanceBlock:
     """Tabulate receptances over one block of frequencies, at the first level that passes a check half-way.
 
@@ -84,7 +85,11 @@ def receptance_block(
         Index of the block, see `railvib.blocks`.
     tolerance
         Error allowed, relative to the receptance at the load.
+    refinement
+        For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
     """
+    beyond = int(np.log2(refinement))
+    passed = None
     d = np.unique(np.asarray(distances, float))
     known: dict[float, np.ndarray] = {}
 
@@ -96,7 +101,7 @@ def receptance_block(
             known.update({round(float(f), 9): row for f, row in zip(new, computed, strict=True)})
         return np.array([known[round(float(f), 9)] for f in frequency])
 
-    for level in range(_MOST_LEVELS + 1):
+    for level in range(_MOST_LEVELS + beyond + 1):
         tabulated = rows(level, blocks.indices(block, level))
         halfway = blocks.halfway(block, level, _CHECKS)
         direct = rows(level + 1, halfway)
@@ -104,14 +109,16 @@ def receptance_block(
             blocks.interpolation_weights(block, level, blocks.frequency(level + 1, halfway)) @ tabulated
         )
         error = float((np.abs(interpolated - direct) / np.abs(direct[:, -1:])).max())
-        if error <= 0.1 * tolerance:
+        if passed is None and (error <= 0.1 * tolerance or level == _MOST_LEVELS):
+            passed = level
+        if passed is not None and level >= passed + beyond:
             break
     frequency = blocks.frequency(level, blocks.indices(block, level))
     table = rail.blocks[min(max(block, min(rail.blocks)), max(rail.blocks))]
     half = table.nodes.wavenumber(frequency)
     beta = np.concatenate([-half[:, ::-1], half], axis=1)
     seen = 2.0 * np.pi * frequency[:, None] - beta * speed
-    inside = (np.abs(seen) <= 2.0 * np.pi * rail.highest) & (np.abs(beta) <= largest_wavenumber(track))
+    inside = (np.abs(seen) <= 2.0 * np.pi * rail.highest) & (np.abs(beta) <= rail.reach)
     moving = np.full(beta.shape, complex(np.nan, np.nan))
     moving[inside] = rail.response(beta[inside], seen[inside])
     return ReceptanceBlock(
@@ -146,9 +153,11 @@ class Receptances:
         return value
 
 
-def highest_tabulated_frequency(track: Track, maximum_frequency: float, speed: float) -> float:
+def highest_tabulated_frequency(
+    track: Track, maximum_frequency: float, speed: float, refinement: int = 1
+) -> float:
     """Return up to which frequency the rail must be tabulated for receptances up to another one, Hz."""
-    return maximum_frequency + largest_wavenumber(track) * abs(speed) / (2.0 * np.pi)
+    return maximum_frequency + largest_wavenumber(track, refinement) * abs(speed) / (2.0 * np.pi)
 
 
 def receptances(
@@ -192,7 +201,7 @@ def receptances(
         panels = (
             _standing_panels(rail, f) if speed == 0.0 else _moving_panels(rail, track, f, speed, tolerance)
         )
-        largest = np.full(f.size, largest_wavenumber(track))
+        largest = np.full(f.size, rail.reach)
         np.maximum.at(largest, panels[0], panels[2])
         tail = _tail_panels(track, f, speed, largest)
         owner, low, high, value = (np.concatenate(each) for each in zip(panels, tail, strict=True))
@@ -235,7 +244,7 @@ def _moving_panels(
     rail: TransferFunction, track: Track, frequency: np.ndarray, speed: float, tolerance: float
 ) -> Panels:
     """Return panels over all β up to the largest, halved until the response is resolved."""
-    largest = largest_wavenumber(track)
+    largest = rail.reach
     edges = [_edges(rail, 2.0 * np.pi * each, speed, largest) for each in frequency]
     owner = np.repeat(np.arange(frequency.size), [each.size - 1 for each in edges])
     low = np.concatenate([each[:-1] for each in edges])

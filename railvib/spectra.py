@@ -72,12 +72,15 @@ class Spectra:
     approach: str
 
 
-def line_step(train_length: float, speed: float) -> float:
+def line_step(train_length: float, speed: float, refinement: int = 1) -> float:
     """Return the step of the narrow-band lines, Hz: the largest power of two up to v/(8L) and 1/8 Hz.
 
     The spectra ripple with period v/L. Powers of two, so that neighbouring speeds share their lines.
     """
-    return float(2.0 ** np.floor(np.log2(min(speed / (_STEPS_PER_RIPPLE * train_length), _COARSEST_STEP))))
+    return (
+        float(2.0 ** np.floor(np.log2(min(speed / (_STEPS_PER_RIPPLE * train_length), _COARSEST_STEP))))
+        / refinement
+    )
 
 
 def lines(midband: np.ndarray, step: float) -> np.ndarray:
@@ -86,14 +89,16 @@ def lines(midband: np.ndarray, step: float) -> np.ndarray:
     return np.asarray(step * np.arange(max(np.floor(lower[0] / step) - 2, 1), np.ceil(upper[-1] / step) + 3))
 
 
-def highest_excitation(midband: np.ndarray, largest_wavenumber: float, speed: float) -> float:
+def highest_excitation(
+    midband: np.ndarray, largest_wavenumber: float, speed: float, refinement: int = 1
+) -> float:
     """Return the highest frequency of excitation that the full model counts, Hz.
 
     That of the largest wavenumber at the highest line; not above 10^(1/2) of it, where no response is left
     that it could carry.
     """
     upper = float(bands.edges(midband)[1][-1])
-    return float(min(upper + largest_wavenumber * speed / (2.0 * np.pi), np.sqrt(10.0) * upper))
+    return float(min(upper + largest_wavenumber * speed / (2.0 * np.pi), np.sqrt(10.0) * upper * refinement))
 
 
 def spectra(
@@ -107,6 +112,7 @@ def spectra(
     integrals: Mapping[Receiver, LineIntegrals] | None = None,
     highest: float | None = None,
     over_train: Mapping[Receiver, TrainIntegrals] | None = None,
+    refinement: int = 1,
 ) -> Spectra:
     """Predict the spectra of one case by one approach.
 
@@ -130,13 +136,15 @@ def spectra(
     over_train
         Their integrals over the train on `lines`, where the moving roughness is wanted averaged so as well
         (Eq. 26).
+    refinement
+        For studies of convergence: 2 halves the step of the lines and of the full model's excitation.
 
     Returns
     -------
     Spectra
         Wheel–rail forces, and velocities of the rail and the ground.
     """
-    f = lines(midband, line_step(train.length, speed))
+    f = lines(midband, line_step(train.length, speed, refinement))
     per_hz = 2.0 * np.pi / speed
     uneven = unevenness.psd(f * per_hz) * per_hz
     matrices = force_matrices(train, rail, f)
@@ -153,7 +161,7 @@ def spectra(
         if highest is None:
             raise ValueError("the full model needs the highest frequency of excitation")
         with cost.stage("excitation"):
-            excited = excitation(train, rail, unevenness, speed, highest)
+            excited = excitation(train, rail, unevenness, speed, highest, refinement)
     elif integrals is None:
         raise ValueError("the moving roughness needs line integrals")
     for receiver, transfer in receivers.items():

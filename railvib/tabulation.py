@@ -27,9 +27,9 @@ _MOST_HALVINGS = 12
 _CHECKS = 5
 
 
-def largest_wavenumber(track: Track) -> float:
+def largest_wavenumber(track: Track, refinement: int = 1) -> float:
     """Return β beyond which the rail on its pads carries the load alone, rad/m: EI β⁴ is 2000 pads."""
-    return float((2000.0 * track.pad_stiffness / track.rail_bending_stiffness) ** 0.25)
+    return float(refinement * (2000.0 * track.pad_stiffness / track.rail_bending_stiffness) ** 0.25)
 
 
 def distance_class(receiver: Receiver) -> float:
@@ -40,7 +40,12 @@ def distance_class(receiver: Receiver) -> float:
 
 
 def transfer_blocks(
-    ground: Ground, track: Track, block: int, receivers: Iterable[Receiver], tolerance: float = 1e-4
+    ground: Ground,
+    track: Track,
+    block: int,
+    receivers: Iterable[Receiver],
+    tolerance: float = 1e-4,
+    refinement: int = 1,
 ) -> dict[Receiver, TransferBlock]:
     """Tabulate the transfer functions of several receivers over one block of frequencies.
 
@@ -54,6 +59,9 @@ def transfer_blocks(
         ``"rail"`` and distances from the centre line in m.
     tolerance
         Relative error allowed where a function exceeds 1e-8 of its peak.
+    refinement
+        For studies of convergence: 2 halves the steps in frequency and the panels in wavenumber that the
+        tolerance asks for, and doubles the range of wavenumbers; 4 does so twice.
 
     Returns
     -------
@@ -66,8 +74,8 @@ def transfer_blocks(
         classes.setdefault(distance_class(receiver), set()).add(receiver)
     made: dict[Receiver, TransferBlock] = {}
     for reach, members in sorted(classes.items()):
-        nodes = _resolved_nodes(_Evaluation(fits, track, (0.0, reach), tolerance), tolerance)
-        made.update(_tables(fits, track, nodes, members, tolerance))
+        nodes = _resolved_nodes(_Evaluation(fits, track, (0.0, reach), tolerance), tolerance, refinement)
+        made.update(_tables(fits, track, nodes, members, tolerance, refinement))
     return made
 
 
@@ -109,13 +117,15 @@ class _Evaluation:
         return np.concatenate([rail[None], force * compliance])
 
 
-def _resolved_nodes(evaluate: _Evaluation, tolerance: float) -> Nodes:
+def _resolved_nodes(evaluate: _Evaluation, tolerance: float, refinement: int) -> Nodes:
     """Halve panels until the last Legendre coefficients of every function are small, at three frequencies."""
     ground, block = evaluate.fits.ground, evaluate.fits.block
     ks = blocks.indices(block, 0)[[0, blocks.HALO + blocks.STEPS // 2, -1]]
     frequency = blocks.frequency(0, ks)
     top = 1.3 / ground.slowest_speed
-    largest = max(largest_wavenumber(evaluate.track), 2.0 * 2.0 * np.pi * float(frequency[-1]) * top)
+    largest = max(
+        largest_wavenumber(evaluate.track, refinement), 2.0 * 2.0 * np.pi * float(frequency[-1]) * top
+    )
     edge = np.unique(
         [0.0, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, *(1.0 / (speed * top) for speed in ground.wave_speeds())]
     )
@@ -135,15 +145,24 @@ def _resolved_nodes(evaluate: _Evaluation, tolerance: float) -> Nodes:
         )
         if not bad.any():
             break
-    return Nodes(top, largest, np.append(np.sort(np.concatenate([*finished, pending])[:, 0]), 2.0))
+    found = np.append(np.sort(np.concatenate([*finished, pending])[:, 0]), 2.0)
+    fine = np.interp(np.arange(refinement * (found.size - 1) + 1) / refinement, np.arange(found.size), found)
+    return Nodes(top, largest, fine)
 
 
 def _tables(
-    fits: GroundFits, track: Track, nodes: Nodes, receivers: set[Receiver], tolerance: float
+    fits: GroundFits,
+    track: Track,
+    nodes: Nodes,
+    receivers: set[Receiver],
+    tolerance: float,
+    refinement: int,
 ) -> dict[Receiver, TransferBlock]:
-    """Tabulate receivers on given nodes, each at the first level that passes its check."""
+    """Tabulate receivers on given nodes, each at the first level that passes its check, or one beyond it."""
     made: dict[Receiver, TransferBlock] = {}
-    for level in range(MOST_LEVELS + 1):
+    passed: dict[Receiver, int] = {}
+    beyond = int(np.log2(refinement))
+    for level in range(MOST_LEVELS + beyond + 1):
         pending = sorted(receivers - made.keys(), key=str)
         if not pending:
             break
@@ -173,7 +192,9 @@ def _tables(
                 ),
                 key=lambda pair: pair[1],
             )
-            if error > tolerance and level < MOST_LEVELS:
+            if error <= tolerance or level == MOST_LEVELS:
+                passed.setdefault(receiver, level)
+            if level < passed.get(receiver, MOST_LEVELS) + beyond:
                 continue
             made[receiver] = TransferBlock(
                 frequency=frequency,

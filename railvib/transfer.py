@@ -147,6 +147,7 @@ class TransferFunction:
         self.blocks = {each.block: each for each in sorted(table, key=lambda each: each.block)}
         self.lowest = float(blocks.edges(min(self.blocks))[0])
         self.highest = float(blocks.edges(max(self.blocks))[1])
+        self.reach = min(each.largest for each in self.blocks.values())
 
     def response(self, wavenumber: np.ndarray, omega: np.ndarray) -> np.ndarray:
         """Interpolate to any wavenumbers and frequencies; for the rail and receivers on the track.
