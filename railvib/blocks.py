@@ -51,8 +51,8 @@ def position(block: int, level: int, f: np.ndarray) -> np.ndarray:
     return np.asarray((np.log10(f) - SHIFT) * (PER_DECADE * steps) - (block * steps - HALO))
 
 
-def interpolation_weights(block: int, level: int, f: np.ndarray) -> np.ndarray:
-    """Return the matrix that interpolates from a block's frequencies to others inside it.
+def stencils(block: int, level: int, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what interpolates from a block's frequencies to others inside it, uniformly in ln f.
 
     Parameters
     ----------
@@ -61,19 +61,29 @@ def interpolation_weights(block: int, level: int, f: np.ndarray) -> np.ndarray:
 
     Returns
     -------
-    ndarray, shape (n, frequencies of the block)
-        Rows of Lagrange weights over the eight nearest frequencies, uniform in ln f.
+    first : ndarray of int, shape (n,)
+        First of the eight nearest rows.
+    weight : ndarray, shape (n, 8)
+        Lagrange weights of these rows.
     """
-    rows = indices(block, level).size
     at = position(block, level, f)
-    first = np.clip(np.floor(at).astype(int) - HALO + 1, 0, rows - STENCIL)
-    t = at - first
-    weights = np.zeros((f.size, rows))
+    first = np.clip(np.floor(at).astype(int) - HALO + 1, 0, indices(block, level).size - STENCIL)
+    away = (at - first)[:, None] - np.arange(STENCIL)
+    weight = np.empty((f.size, STENCIL))
     for i in range(STENCIL):
-        others = [j for j in range(STENCIL) if j != i]
-        value = np.prod([(t - j) / (i - j) for j in others], axis=0)
-        weights[np.arange(f.size), first + i] = value
-    return weights
+        others = np.delete(np.arange(STENCIL), i)
+        weight[:, i] = away[:, others].prod(axis=1) / (i - others).prod()
+    return first, weight
+
+
+def interpolated(block: int, level: int, f: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """Interpolate the rows of a block's table (frequencies, …) to frequencies f (n,) in Hz: (n, …)."""
+    first, weight = stencils(block, level, f)
+    shape = (-1, *[1] * (table.ndim - 1))
+    value = weight[:, 0].reshape(shape) * table[first]
+    for i in range(1, STENCIL):
+        value += weight[:, i].reshape(shape) * table[first + i]
+    return np.asarray(value)
 
 
 def halfway(block: int, level: int, number: int) -> np.ndarray:

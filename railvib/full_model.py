@@ -11,6 +11,7 @@ because the phases of the forces are taken out, and are computed once on a grid 
 frequency.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numba
@@ -20,7 +21,7 @@ from railvib import blocks, cost
 from railvib.forces import arrivals, force_matrices
 from railvib.panels import BARYCENTRIC, NODE, ORDER, WEIGHT, lagrange_weights
 from railvib.receptance import Receptances
-from railvib.transfer import TransferFunction
+from railvib.transfer import Receiver, TransferFunction
 from railvib.unevenness import Unevenness
 from railvib.vehicle import Train
 
@@ -83,15 +84,19 @@ def excitation(
     return Excitation((fine, coarse), joint, amplitude, train.axle_positions)
 
 
-def passage_spectrum(
-    receiver: TransferFunction, excited: Excitation, train_length: float, speed: float, frequency: np.ndarray
-) -> np.ndarray:
-    """Return the PSD of displacement at a fixed point, averaged over the passage (Eq. 29 over T).
+def passage_spectra(
+    receivers: Mapping[Receiver, TransferFunction],
+    excited: Excitation,
+    train_length: float,
+    speed: float,
+    frequency: np.ndarray,
+) -> dict[Receiver, np.ndarray]:
+    """Return PSDs of displacement at fixed points, averaged over the passage (Eq. 29 over T).
 
     Parameters
     ----------
-    receiver
-        The receiver's tabulated transfer function.
+    receivers
+        The receivers' tabulated transfer functions.
     excited
         The forces, from `excitation`.
     train_length
@@ -103,35 +108,36 @@ def passage_spectrum(
 
     Returns
     -------
-    ndarray, shape (n,)
-        One-sided PSD, m²/Hz.
+    dict of ndarray, shape (n,)
+        One-sided PSDs, m²/Hz.
     """
-    psd = np.empty(frequency.size)
-    which = blocks.assigned(frequency, receiver.blocks)
+    psd = {receiver: np.empty(frequency.size) for receiver in receivers}
     with cost.stage("passage") as spent:
-        for block in np.unique(which):
-            table = receiver.blocks[int(block)]
-            lines = np.flatnonzero(which == block)
-            for start in range(0, lines.size, _LINES_AT_ONCE):
-                here = lines[start : start + _LINES_AT_ONCE]
-                f = frequency[here]
-                _beta, transfer = table.at(f)
-                turn = np.exp(2j * np.pi / speed * f[:, None] * excited.axle_position)
-                ahead = turn @ excited.amplitude.T
-                behind = turn @ excited.amplitude.conj().T
-                psd[here] = _wavenumber_integrals(
-                    table.nodes.panel_edges(f),
-                    transfer,
-                    2.0 * np.pi * f / speed,
-                    ahead,
-                    behind,
-                    excited.step[0],
-                    excited.step[1],
-                    excited.joint,
-                )
-                spent.evaluations += 2 * transfer.size
-                spent.kernel_calls += 1
-    return np.asarray(psd / (train_length * speed))
+        for start in range(0, frequency.size, _LINES_AT_ONCE):
+            here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
+            turn = np.exp(2j * np.pi / speed * frequency[here, None] * excited.axle_position)
+            ahead = turn @ excited.amplitude.T
+            behind = turn @ excited.amplitude.conj().T
+            for receiver, transfer in receivers.items():
+                which = blocks.assigned(frequency[here], transfer.blocks)
+                for block in np.unique(which):
+                    own = np.flatnonzero(which == block)
+                    f = frequency[here[own]]
+                    table = transfer.blocks[int(block)]
+                    _beta, value = table.at(f)
+                    psd[receiver][here[own]] = _wavenumber_integrals(
+                        table.nodes.panel_edges(f),
+                        value,
+                        2.0 * np.pi * f / speed,
+                        ahead[own],
+                        behind[own],
+                        excited.step[0],
+                        excited.step[1],
+                        excited.joint,
+                    )
+                    spent.evaluations += 2 * value.size
+                    spent.kernel_calls += 1
+    return {receiver: each / (train_length * speed) for receiver, each in psd.items()}
 
 
 @numba.njit(cache=True, error_model="numpy")

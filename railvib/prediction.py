@@ -127,8 +127,8 @@ def predict(
     tolerance
         Relative error allowed in the transfer functions.
     refinement
-        For studies of convergence, a power of two: 2 halves all steps and panels that the tolerance asks for and
-        doubles the ranges of wavenumber and excitation.
+        For studies of convergence, a power of two: 2 halves all steps and panels that the tolerance gives
+        and doubles the ranges of wavenumber and excitation.
 
     Returns
     -------

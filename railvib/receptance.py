@@ -105,9 +105,7 @@ def receptance_block(
         tabulated = rows(level, blocks.indices(block, level))
         halfway = blocks.halfway(block, level, _CHECKS)
         direct = rows(level + 1, halfway)
-        interpolated = (
-            blocks.interpolation_weights(block, level, blocks.frequency(level + 1, halfway)) @ tabulated
-        )
+        interpolated = blocks.interpolated(block, level, blocks.frequency(level + 1, halfway), tabulated)
         error = float((np.abs(interpolated - direct) / np.abs(direct[:, -1:])).max())
         if passed is None and (error <= 0.1 * tolerance or level == _MOST_LEVELS):
             passed = level
@@ -149,7 +147,7 @@ class Receptances:
             here = which == block
             table = self.blocks[int(block)]
             f = np.maximum(frequency[here], blocks.edges(table.block)[0])
-            value[here] = blocks.interpolation_weights(table.block, table.level, f) @ table.receptance
+            value[here] = blocks.interpolated(table.block, table.level, f, table.receptance)
         return value
 
 

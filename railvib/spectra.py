@@ -8,7 +8,7 @@ import numpy as np
 
 from railvib import bands, cost
 from railvib.forces import arrivals, axle_numbers, force_matrices
-from railvib.full_model import excitation, passage_spectrum, quasi_static_spectrum
+from railvib.full_model import excitation, passage_spectra, quasi_static_spectrum
 from railvib.moving_roughness import LineIntegrals, axle_pairs, products
 from railvib.receptance import Receptances
 from railvib.train_average import TrainIntegrals
@@ -162,12 +162,13 @@ def spectra(
             raise ValueError("the full model needs the highest frequency of excitation")
         with cost.stage("excitation"):
             excited = excitation(train, rail, unevenness, speed, highest, refinement)
+        passing = passage_spectra(receivers, excited, train.length, speed, f)
     elif integrals is None:
         raise ValueError("the moving roughness needs line integrals")
     for receiver, transfer in receivers.items():
         displacement: dict[str, np.ndarray] = {}
         if integrals is None or approach == "full":
-            displacement["line"] = passage_spectrum(transfer, excited, train.length, speed, f)
+            displacement["line"] = passing[receiver]
         else:
             with cost.stage("line average"):
                 pairs = {"line": axle_pairs(integrals[receiver], train.axle_positions)}

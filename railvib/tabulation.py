@@ -246,9 +246,8 @@ def _interpolation_error(
     """Return the largest relative error half-way between frequencies, above 1e-8 of the peak."""
     tabulated = blocks.frequency(level, blocks.indices(block, level))
     frequency = blocks.frequency(level + 1, blocks.halfway(block, level, _CHECKS))
-    weights = blocks.interpolation_weights(block, level, frequency)
     reduced = values / decay(tabulated[:, None], nodes.wavenumber(tabulated), distance, slowness)
-    interpolated = (weights @ reduced) * decay(
+    interpolated = blocks.interpolated(block, level, frequency, reduced) * decay(
         frequency[:, None], nodes.wavenumber(frequency), distance, slowness
     )
     size = np.abs(direct)

@@ -107,9 +107,8 @@ class TransferBlock:
         wavenumber, transfer : ndarray, shape (n, node)
             Wavenumbers in rad/m, and the transfer function there in m²/N.
         """
-        rows = blocks.interpolation_weights(self.block, self.level, frequency)
         beta = self.nodes.wavenumber(frequency)
-        reduced = (rows @ self.reduced.view(float)).view(complex)
+        reduced = blocks.interpolated(self.block, self.level, frequency, self.reduced)
         return beta, reduced * decay(frequency[:, None], beta, self.distance, self.reference_slowness)
 
 
