@@ -1,0 +1,312 @@
+"""Which figures a run gets, what they are called, and their files under DIR/figures.
+
+Figures carry the numbers of the paper's: 3 unevenness, 4 and 5 rail receptance, 6 and 7 wheel-rail force
+(the first soil of the study has the even number, every other the odd one), 8 rail, 9 narrow band, 10 ground.
+A file is named by its number and topic, by the soil where it shows a single one, and by every other axis of
+the study with more than one value.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import duckdb
+import numpy as np
+from numpy.typing import NDArray
+
+from queries import compare, plots
+from queries.plots import Combination
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FOLDER = "figures"
+_SOILS, _COMBINATIONS, _OFFSETS, _SPEEDS = 4, 3, 6, 6
+"""At most so many are shown of a study of many cases; panels of one figure stay readable up to here."""
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure to be drawn: file name without ending, what it shows, and how to draw it."""
+
+    name: str
+    caption: str
+    draw: Callable[[], "Figure"]
+
+
+@dataclass(frozen=True)
+class Published:
+    """A figure as a file."""
+
+    path: Path
+    caption: str
+
+
+def publish(
+    connection: duckdb.DuckDBPyConnection, directory: Path | str, kind: str = "png"
+) -> list[Published]:
+    """Draw every figure of a run into DIR/figures and return the files; those of an earlier state go.
+
+    Parameters
+    ----------
+    connection
+        Results of the run.
+    directory
+        Its output directory.
+    kind
+        png, svg or pdf.
+    """
+    folder = Path(directory) / FOLDER
+    folder.mkdir(exist_ok=True)
+    published = []
+    for drawing in drawings(connection, directory):
+        path = folder / f"{drawing.name}.{kind}"
+        metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
+        partial = path.with_name(f"{path.name}.partial")
+        # Half the time of writing a PNG goes into its last tenth of size.
+        options: dict[str, Any] = {"pil_kwargs": {"compress_level": 4}} if kind == "png" else {}
+        drawing.draw().savefig(partial, format=kind, metadata=metadata, **options)
+        partial.replace(path)
+        published.append(Published(path, drawing.caption))
+    for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - {figure.path for figure in published}:
+        old.unlink()
+    return published
+
+
+def drawn(connection: duckdb.DuckDBPyConnection, directory: Path | str) -> list[Published] | None:
+    """Return the PNG files of all figures without drawing them, or None if one is missing."""
+    folder = Path(directory) / FOLDER
+    found = [
+        Published(folder / f"{drawing.name}.png", drawing.caption)
+        for drawing in drawings(connection, directory)
+    ]
+    return found if all(figure.path.is_file() for figure in found) else None
+
+
+def drawings(connection: duckdb.DuckDBPyConnection, directory: Path | str) -> list[Drawing]:
+    """Return the figures that the results allow, in the order of their numbers."""
+    found = connection.execute("SELECT soil, track, train, unevenness, speed_kmh FROM cases").fetchall()
+    soils = _unique(row[0] for row in found)
+    combinations = _unique(Combination(*row[1:]) for row in found)
+    shown = ""
+    if len(found) > compare.MANY_CASES:
+        all_soils, all_combinations = soils, combinations
+        soils, combinations = sample(soils, _SOILS), sample(combinations, _COMBINATIONS)
+        shown = (
+            f" A sample: {len(soils)} of {len(all_soils)} soils and {len(combinations)} of "
+            f"{len(all_combinations)} "
+            "combinations of track, train, unevenness and speed."
+        )
+    names = _Names(_unique(row[1:] for row in found))
+    plan = [
+        *_unevenness(connection, names),
+        *_receptances(connection, names, soils),
+        *_cases(connection, Path(directory), names, soils, combinations),
+    ]
+    return [
+        Drawing(drawing.name, drawing.caption + shown, drawing.draw)
+        for drawing in sorted(plan, key=lambda each: each.name[:9])
+    ]
+
+
+def sample(items: Sequence[Item], most: int) -> list[Item]:
+    """Return at most so many items, evenly spread, the first and the last among them."""
+    if len(items) <= most:
+        return list(items)
+    return [items[round(place)] for place in np.linspace(0, len(items) - 1, most)]
+
+
+class _Names:
+    """Gives every figure a file name of plain letters that no other one has."""
+
+    def __init__(self, combinations: list[Any]) -> None:
+        self._varying = [number for number in range(4) if len({row[number] for row in combinations}) > 1]
+        self._taken: set[str] = set()
+
+    def name(
+        self, number: int, topic: str, soil: str | None = None, combination: Combination | None = None
+    ) -> str:
+        parts = [f"figure-{number:02d}-{topic}", *([soil] if soil is not None else [])]
+        if combination is not None:
+            values = (
+                combination.track,
+                combination.train,
+                combination.unevenness,
+                f"{combination.speed_kmh:g}-kmh",
+            )
+            parts += [values[place] for place in self._varying]
+        base = "-".join(re.sub(r"[^a-z0-9]+", "-", part.lower()).strip("-") for part in parts)
+        free = next(name for name in self._candidates(base) if name not in self._taken)
+        self._taken.add(free)
+        return free
+
+    @staticmethod
+    def _candidates(base: str) -> Iterator[str]:
+        yield base
+        number = 2
+        while True:
+            yield f"{base}-{number}"
+            number += 1
+
+
+def _unevenness(connection: duckdb.DuckDBPyConnection, names: _Names) -> list[Drawing]:
+    found = _unique(
+        row[0] for row in connection.execute("SELECT unevenness FROM unevenness_bands").fetchall()
+    )
+    if not found:
+        return []
+    shown = sample(found, len("osv^Dv<"))
+    return [
+        Drawing(
+            names.name(3, "unevenness"),
+            "Unevenness of the rail in one-third octaves of wavelength, dB re 1e-6 m.",
+            lambda: plots.unevenness(connection, shown),
+        )
+    ]
+
+
+def _receptances(connection: duckdb.DuckDBPyConnection, names: _Names, soils: list[str]) -> list[Drawing]:
+    found = connection.execute(
+        "SELECT DISTINCT soil, track, speed_kmh FROM receptances ORDER BY ALL"
+    ).fetchall()
+    tracks = _unique(row[1] for row in found)
+    plan = []
+    for place, soil in enumerate(soils):
+        for track in tracks:
+            speeds = sample([row[2] for row in found if row[:2] == (soil, track)], _SPEEDS)
+            if speeds:
+                plan.append(
+                    Drawing(
+                        names.name(
+                            4 + min(place, 1), "receptance", f"{soil}-{track}" if len(tracks) > 1 else soil
+                        ),
+                        f"Rail receptance under the load, {soil}, {track}: magnitude and phase.",
+                        _bind(plots.receptance, connection, soil, track, speeds),
+                    )
+                )
+    return plan
+
+
+def _cases(
+    connection: duckdb.DuckDBPyConnection,
+    directory: Path,
+    names: _Names,
+    soils: list[str],
+    combinations: list[Combination],
+) -> list[Drawing]:
+    approaches = compare.approaches(connection)
+    plan = []
+    for case in combinations:
+        about = f"{case.train} on {case.track}, {case.unevenness}, {case.speed_kmh:g} km/h"
+        receivers = plots.columns(
+            connection,
+            "SELECT DISTINCT soil, receiver, offset_m FROM levels WHERE track = $1 AND train = $2 AND "
+            "unevenness = $3 "
+            "AND speed_kmh = $4 ORDER BY offset_m",
+            [case.track, case.train, case.unevenness, case.speed_kmh],
+        )
+        there = list(zip(receivers["soil"], receivers["receiver"], receivers["offset_m"], strict=True))
+        for place, soil in enumerate(soils):
+            if any(row[:2] == (soil, "axle-1") for row in there):
+                plan.append(
+                    Drawing(
+                        names.name(6 + min(place, 1), "force", soil, case),
+                        f"Wheel-rail force of the leading and the trailing axle of the leading bogie, "
+                        f"{soil}: {about}.",
+                        _bind(plots.force, connection, soil, case, approaches),
+                    )
+                )
+        for group in (soils[start : start + _SOILS] for start in range(0, len(soils), _SOILS)):
+            on_rail = [soil for soil in group if any(row[:2] == (soil, "rail") for row in there)]
+            on_ground = [soil for soil in group if any(row[:2] == (soil, "ground") for row in there)]
+            if on_rail:
+                plan.append(
+                    Drawing(
+                        names.name(8, "rail", None, case),
+                        f"Rail velocity in one-third octaves: {about}.",
+                        _bind(plots.rail, connection, on_rail, case, approaches),
+                    )
+                )
+                plan.append(
+                    Drawing(
+                        names.name(9, "narrow-band", None, case),
+                        f"Narrow-band spectrum of the rail velocity: {about}.",
+                        _bind(_narrow_band, connection, directory, on_rail, case),
+                    )
+                )
+            if on_ground:
+                offsets = sample(_unique(float(row[2]) for row in there if row[1] == "ground"), _OFFSETS)
+                plan.append(
+                    Drawing(
+                        names.name(10, "ground", None, case),
+                        f"Ground velocity in one-third octaves at each distance from the track: {about}.",
+                        _bind(plots.ground, connection, on_ground, case, approaches, offsets),
+                    )
+                )
+    return plan
+
+
+def _narrow_band(
+    connection: duckdb.DuckDBPyConnection, directory: Path, soils: Sequence[str], case: Combination
+) -> "Figure":
+    """Draw the rail's narrow-band spectra of the reference and of the first other approach.
+
+    Lines that the study kept out of the database come from the store.
+    """
+    against = compare.reference(connection)
+    others = [name for name in compare.approaches(connection) if name != against]
+    spectra: dict[str, dict[str, tuple[NDArray[Any], NDArray[Any]]]] = {}
+    ends: list[float] = []
+    for soil in soils:
+        for approach in (against, *others[:1]):
+            row = connection.execute(
+                "SELECT unit_id, case_id, min(band_hz), max(band_hz) FROM bands "
+                "JOIN current_units USING (unit_id, case_id, approach) JOIN cases USING (case_id) "
+                "WHERE soil = $1 AND track = $2 AND train = $3 AND unevenness = $4 AND speed_kmh = $5 "
+                "AND approach = $6 AND receiver = 'rail' AND contribution = 'dynamic' AND averaging = 'line' "
+                "GROUP BY ALL",
+                [*case.parameters(soil), approach],
+            ).fetchone()
+            if row is None:
+                continue
+            ends += row[2:]
+            data = plots.columns(
+                connection,
+                "SELECT frequency_hz, value FROM psd WHERE unit_id = $1 AND case_id = $2 AND receiver = "
+                "'rail' "
+                "AND contribution = 'dynamic' AND averaging = 'line' ORDER BY frequency_hz",
+                list(row[:2]),
+            )
+            lines = (data["frequency_hz"], data["value"])
+            spectra.setdefault(soil, {})[approach] = (
+                lines if lines[0].size else _stored_lines(directory, row[0])
+            )
+    return plots.narrow_band(spectra, (min(ends), max(ends)))
+
+
+def _stored_lines(directory: Path, unit_id: str) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return frequencies and densities of the rail's dynamic velocity from the store."""
+    from sweep import records, store
+
+    record = records.find(directory, "spectra", unit_id)
+    if record is None:
+        return np.empty(0), np.empty(0)
+    arrays, attributes = store.read_arrays(directory, record["group"])
+    series = list(
+        zip(attributes["receiver"], attributes["contribution"], attributes["averaging"], strict=True)
+    )
+    return arrays["frequency"], arrays["psd"][series.index(("rail", "dynamic", "line"))]
+
+
+def _bind(draw: Callable[..., "Figure"], *given: Any) -> Callable[[], "Figure"]:
+    """Fix what a plot is drawn from now, not when the loop around it has gone on."""
+    return lambda: draw(*given)
+
+
+def _unique(items: Any) -> list[Any]:
+    """Return each item once, in the order of its first appearance."""
+    return list(dict.fromkeys(items))

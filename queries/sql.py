@@ -1,0 +1,128 @@
+"""Questions in SQL: one statement that reads, on a connection that can do nothing else."""
+
+import csv
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, TextIO
+
+import duckdb
+
+from queries import database
+from queries.database import ResultsError
+from queries.table import Table
+
+_READING = ("SELECT", "EXPLAIN")
+_SHOWN_ROWS = 1000
+_FETCHED_ROWS = 10_000
+
+
+def query(
+    connection: duckdb.DuckDBPyConnection, statement: str, parameters: Sequence[Any] = ()
+) -> duckdb.DuckDBPyConnection:
+    """Run one statement that reads, and return the connection to fetch its rows from.
+
+    Parameters
+    ----------
+    connection
+        As `queries.database.connect` gives it: it refuses what this check might let pass.
+    statement
+        One SELECT, FROM, WITH, VALUES, DESCRIBE, SHOW, SUMMARIZE or EXPLAIN.
+    parameters
+        Values of its placeholders.
+
+    Raises
+    ------
+    ResultsError
+        If it is no such statement, or DuckDB refuses it.
+    """
+    try:
+        found = duckdb.extract_statements(statement)
+    except duckdb.Error as error:
+        raise ResultsError(_line(error)) from error
+    if len(found) != 1:
+        raise ResultsError(f"one statement is expected, {len(found)} are given")
+    kind = found[0].type.name
+    if kind not in _READING:
+        raise ResultsError(f"only statements that read are allowed, such as SELECT; this one is {kind}")
+    try:
+        return connection.execute(found[0], list(parameters))
+    except duckdb.Error as error:
+        raise ResultsError(_line(error)) from error
+
+
+def answer(directory: Path | str, statement: str, form: str = "table", output: Path | None = None) -> None:
+    """Answer one question about a run directory on the terminal or in a file.
+
+    Parameters
+    ----------
+    directory
+        Output directory of a run.
+    statement
+        See `query`.
+    form
+        table, csv or parquet.
+    output
+        File to write; standard output if not given, which cannot take parquet.
+
+    Raises
+    ------
+    ResultsError
+        If the directory holds no results, the statement is refused, or the file cannot be written.
+    """
+    if form == "parquet" and output is None:
+        raise ResultsError("parquet is no text: name a file with --output")
+    with database.connect(directory) as connection:
+        result = query(connection, statement)
+        try:
+            if form == "parquet" and output is not None:
+                _write_parquet(result, output)
+            elif output is not None:
+                with output.open("w", newline="", encoding="utf-8") as file:
+                    _write(result, form, file)
+            else:
+                _write(result, form, sys.stdout)
+        except OSError as error:
+            raise ResultsError(f"{output}: cannot be written: {error.strerror}") from error
+        except duckdb.Error as error:
+            raise ResultsError(_line(error)) from error
+
+
+def _write(result: duckdb.DuckDBPyConnection, form: str, file: TextIO) -> None:
+    if form == "csv":
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(_names(result))
+        writer.writerows(_rows(result))
+        return
+    from rich.console import Console
+
+    rows = result.fetchmany(_SHOWN_ROWS + 1)
+    note = f"The first {_SHOWN_ROWS} rows; --format csv gives all." if len(rows) > _SHOWN_ROWS else ""
+    cells = tuple(
+        tuple("NULL" if value is None else str(value) for value in row) for row in rows[:_SHOWN_ROWS]
+    )
+    names = _names(result)
+    Table("", tuple(names), cells, words=len(names), note=note).show(Console(file=file))
+
+
+def _write_parquet(result: duckdb.DuckDBPyConnection, output: Path) -> None:
+    """Write rows through a second, empty database: the one that reads results cannot write anywhere."""
+    frame = result.fetchdf()
+    with duckdb.connect(":memory:") as writer:
+        writer.from_df(frame).write_parquet(str(output))
+
+
+def _names(result: duckdb.DuckDBPyConnection) -> list[str]:
+    return [column[0] for column in result.description or []]
+
+
+def _rows(result: duckdb.DuckDBPyConnection) -> Iterator[tuple[Any, ...]]:
+    while rows := result.fetchmany(_FETCHED_ROWS):
+        yield from rows
+
+
+def _line(error: duckdb.Error) -> str:
+    """Return the error in one line, with what DuckDB proposes instead."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    keep = [line for line in lines if not line.startswith(("LINE ", "^"))]
+    return " ".join(keep[:3]) if keep else "the statement is refused"

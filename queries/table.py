@@ -1,0 +1,106 @@
+"""A table for people: headings with units and cells of text, the same in a terminal and in a page."""
+
+import html
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+_UNBOUNDED = 100_000
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of text.
+
+    Attributes
+    ----------
+    title, note
+        What it shows, and how to read it.
+    columns
+        Headings, with units.
+    rows
+        Cells, as many per row as there are columns.
+    words
+        How many columns from the left hold words; the others hold numbers and are set flush right.
+    """
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    words: int = 1
+    note: str = ""
+
+    def show(self, console: "Console") -> None:
+        """Print it, as wide as it is where the output is not a terminal."""
+        from rich.box import SIMPLE_HEAD
+        from rich.console import Console
+        from rich.table import Table as Grid
+        from rich.text import Text
+
+        title = Text(printable(self.title)) if self.title else None
+        grid = Grid(
+            title=title,
+            title_justify="left",
+            title_style="bold",
+            header_style="bold",
+            box=SIMPLE_HEAD,
+            pad_edge=False,
+            padding=(0, 1, 0, 0),
+        )
+        for number, heading in enumerate(self.columns):
+            grid.add_column(
+                Text(printable(heading)), justify="left" if number < self.words else "right", overflow="fold"
+            )
+        for row in self.rows:
+            grid.add_row(*(Text(printable(cell)) for cell in row))
+        if (
+            not console.is_terminal
+        ):  # a file has no width: a table goes there as wide as it is, with nothing folded
+            console = Console(file=console.file, width=_UNBOUNDED)
+            console.width = max(console.measure(grid).maximum, len(self.note))
+        console.print(grid)
+        if self.note:
+            console.print(Text(self.note, style="dim"))
+
+    def html(self) -> str:
+        """Return it as HTML; every cell is escaped."""
+        head = "".join(f'<th scope="col">{html.escape(heading)}</th>' for heading in self.columns)
+        body = "".join(f"<tr>{self._cells(row)}</tr>\n" for row in self.rows)
+        note = f"<p class='note'>{html.escape(self.note)}</p>\n" if self.note else ""
+        caption = f"<caption>{html.escape(self.title)}</caption>"
+        return f"<table>{caption}<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table>\n{note}"
+
+    def _cells(self, row: tuple[str, ...]) -> str:
+        kinds = ("" if number < self.words else ' class="number"' for number in range(len(row)))
+        return "".join(f"<td{kind}>{html.escape(cell)}</td>" for kind, cell in zip(kinds, row, strict=True))
+
+
+def printable(text: str) -> str:
+    """Return text without characters that a terminal obeys rather than shows."""
+    return "".join(character if character.isprintable() else " " for character in text)
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """Return a number with so many significant digits, without an exponent; a dash for none."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if value == 0:
+        return "0"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    return f"{value:,.{min(decimals, 6)}f}"
+
+
+def decibels(value: float | None) -> str:
+    """Return a difference of levels with its sign and one decimal."""
+    return "–" if value is None else f"{round(value, 1) + 0.0:+.1f}"  # + 0.0: no minus before zero
+
+
+def band(value: float) -> str:
+    """Return the nominal name of a one-third octave, such as 31.5 for 31.62 Hz (IEC 61260-1)."""
+    nominal = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
+    decade, place = divmod(round(10 * math.log10(value)), 10)
+    return f"{nominal[place] * 10.0**decade:.4g}"

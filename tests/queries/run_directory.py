@@ -1,0 +1,300 @@
+"""A run directory as the engine leaves it, with numbers whose levels and errors are known by hand."""
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sweep import records, store
+
+APPROACHES = ("moving-roughness", "moving-roughness-uncorrelated", "full")
+BANDS = 10.0 ** (np.arange(0, 21) / 10.0)
+RECEIVERS = (
+    ("axle-1", math.nan),
+    ("axle-2", math.nan),
+    ("rail", math.nan),
+    ("ground", 0.0),
+    ("ground", 8.0),
+    ("ground", 32.0),
+)
+ERROR_DB = {"moving-roughness": 1.0, "moving-roughness-uncorrelated": -3.0, "full": 0.0}
+COSTS = {
+    "fit": 1.0,
+    "transfer": 4.0,
+    "receptance": 0.5,
+    "moving-roughness": 0.25,
+    "moving-roughness-uncorrelated": 0.25,
+    "full": 2.0,
+}
+
+LAYER = {
+    "shear_speed_m_s": 250.0,
+    "dilatational_speed_m_s": 1470.0,
+    "density_kg_m3": 1945.0,
+    "loss_factor": 0.05,
+}
+VEHICLE = {
+    "car_mass_kg": 40e3,
+    "car_pitch_inertia_kg_m2": 2e6,
+    "bogie_mass_kg": 5e3,
+    "wheelset_mass_kg": 1800.0,
+    "axle_spacing_m": 2.7,
+    "bogie_spacing_m": 19.0,
+    "length_m": 26.6,
+    "axle_load_n": 140.1e3,
+}
+TRACK = {
+    "form": "ballasted",
+    "rail_bending_stiffness_n_m2": 12.8e6,
+    "contact_width_m": 3.2,
+    "sleeper_mass_kg_m": 542.0,
+    "layers": [{"stiffness_n_m2": 4.64e9, "mass_kg_m": 1740.0, "loss_factor": 0.04}],
+}
+
+
+def _array(*dims: str, unit: str = "1") -> Any:
+    return dataclasses.field(metadata={"dims": dims, "unit": unit, "description": "of a test"})
+
+
+@dataclasses.dataclass(frozen=True)
+class Spectra:
+    """The arrays of a spectra unit as the contract has them."""
+
+    frequency: NDArray[Any] = _array("frequency", unit="Hz")
+    band: NDArray[Any] = _array("band", unit="Hz")
+    psd: NDArray[Any] = _array("series", "frequency")
+    mean_square: NDArray[Any] = _array("series", "band")
+    extrapolated_share: NDArray[Any] = _array("band")
+    offset_m: NDArray[Any] = _array("series", unit="m")
+    contribution: tuple[str, ...]
+    quantity: tuple[str, ...]
+    receiver: tuple[str, ...]
+    averaging: tuple[str, ...]
+
+
+@dataclasses.dataclass(frozen=True)
+class Receptance:
+    """The arrays of a receptance unit as the contract has them."""
+
+    frequency: NDArray[Any] = _array("frequency", unit="Hz")
+    distance: NDArray[Any] = _array("distance", unit="m")
+    receptance: NDArray[Any] = _array("frequency", "distance", unit="m/N")
+
+
+def mean_square(soil: int, error_db: float, receiver: int) -> NDArray[Any]:
+    """Return mean squares of 60 dB + 10 dB per soil − 5 dB per receiver − 0.1 dB per Hz, plus the error."""
+    unit = 1.0 if receiver < 2 else 1e-18
+    return np.asarray(unit * 10.0 ** ((60.0 + 10.0 * soil - 5.0 * receiver - 0.1 * BANDS + error_db) / 10.0))
+
+
+class Study:
+    """Builds a run directory; every argument is an axis of the study or a way in which it went wrong."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+
+    def write(
+        self,
+        soils: tuple[str, ...] = ("horstwalde", "greby"),
+        speeds: tuple[float, ...] = (150.0,),
+        approaches: tuple[str, ...] = APPROACHES,
+        run_id: str = "run-1",
+        started: str = "2026-03-01T08:00:00+00:00",
+        lost: tuple[str, ...] = (),
+        lines: int = 200,
+        narrow_band: Any = "all",
+        host_class: str = "x86_64-2",
+        name: str = "paper",
+        zero_band: bool = False,
+    ) -> Path:
+        """Write one run; `lost` names the approaches whose spectra fail."""
+        cases = []
+        for number, soil in enumerate(soils):
+            for speed in speeds:
+                case_id = f"case-{number}-{speed:g}"
+                shared = [{"unit_id": f"{kind}-{number}", "scope": "ground"} for kind in ("fit", "transfer")]
+                for kind in ("fit", "transfer"):
+                    self._commit(
+                        kind,
+                        f"{kind}-{number}",
+                        {},
+                        Receptance(*_receptance(number, 0.0, 4)),
+                        run_id,
+                        host_class,
+                    )
+                units: dict[str, Any] = {}
+                for approach in approaches:
+                    own = speed if approach == "full" else 0.0
+                    receptance = f"receptance-{number}-{own:g}"
+                    self._commit(
+                        "receptance",
+                        receptance,
+                        {"speed": own / 3.6},
+                        Receptance(*_receptance(number, own, 100)),
+                        run_id,
+                        host_class,
+                    )
+                    spectra = f"spectra-{number}-{speed:g}-{approach}"
+                    if approach in lost:
+                        records.fail(self.directory, self._failure(spectra, run_id))
+                    else:
+                        result = self._spectra(number, approach, lines, zero_band)
+                        self._commit("spectra", spectra, {}, result, run_id, host_class, COSTS[approach])
+                    units[approach] = [
+                        *shared,
+                        {"unit_id": receptance, "scope": "speed" if own else "ground"},
+                        {"unit_id": spectra, "scope": "case"},
+                    ]
+                cases.append(
+                    {
+                        "case_id": case_id,
+                        "soil": soil,
+                        "track": "ballasted-paper",
+                        "train": "grona-taget",
+                        "unevenness": "fra-hamid-yang-3",
+                        "speed_kmh": speed,
+                        "units": units,
+                    }
+                )
+        wavelengths = 10.0 ** (np.arange(-4, 17) / 10.0)
+        records.Run.publish(
+            self.directory,
+            {
+                "schema": 1,
+                "run_id": run_id,
+                "study": {"study": {"name": name}, "output": {"narrow_band": narrow_band}},
+                "study_name": name,
+                "versions": {"numpy": "2.4"},
+                "model_version": "1",
+                "host": "here",
+                "host_class": host_class,
+                "threads": 1,
+                "started": started,
+                "finished": started,
+                "exit_status": 1 if lost else 0,
+                "cases": cases,
+                "reference": "full",
+                "parameters": {
+                    "soil": {
+                        soil: {
+                            "layers": [
+                                {**LAYER, "thickness_m": 2.0},
+                                {**LAYER, "shear_speed_m_s": 310.0 + number},
+                            ]
+                        }
+                        for number, soil in enumerate(soils)
+                    },
+                    "track": {"ballasted-paper": TRACK},
+                    "train": {"grona-taget": {"vehicles": [VEHICLE] * 4}},
+                    "unevenness": {"fra-hamid-yang-3": {"form": "fra-hamid-yang", "track_class": 3}},
+                },
+                "unevenness_bands": {
+                    "fra-hamid-yang-3": [
+                        {
+                            "wavelength_m": float(w),
+                            "mean_square_m2": 1e-7 * float(w) ** 2,
+                            "extrapolated_share": float(w < 1.524),
+                        }
+                        for w in wavelengths
+                    ]
+                },
+            },
+        )
+        return self.directory
+
+    def _spectra(self, soil: int, approach: str, lines: int, zero_band: bool) -> Spectra:
+        frequency = np.linspace(0.9, 112.0, lines)
+        series = [
+            (contribution, number)
+            for contribution in ("dynamic", "total")
+            for number in range(len(RECEIVERS))
+        ]
+        squares = np.array([mean_square(soil, ERROR_DB[approach], number) for _, number in series])
+        if zero_band:
+            squares[:, 0] = 0.0
+        ripple = 1.0 + 0.8 * np.sin(2 * np.pi * frequency / 1.57) * (approach == "full")
+        psd = np.array([np.interp(frequency, BANDS, row) / frequency * ripple for row in squares])
+        return Spectra(
+            frequency,
+            BANDS,
+            psd,
+            squares,
+            np.linspace(0.0, 1.0, BANDS.size),
+            np.array([RECEIVERS[number][1] for _, number in series]),
+            tuple(contribution for contribution, _ in series),
+            tuple("wheel_rail_force" if number < 2 else "velocity" for _, number in series),
+            tuple(RECEIVERS[number][0] for _, number in series),
+            ("line",) * len(series),
+        )
+
+    def _commit(
+        self,
+        kind: str,
+        unit_id: str,
+        inputs: dict[str, Any],
+        result: Any,
+        run_id: str,
+        host_class: str,
+        cost: float | None = None,
+    ) -> None:
+        if records.find(self.directory, kind, unit_id):
+            return
+        written = store.write(self.directory / store.STORE, f"{kind}/{unit_id}", result, {})
+        cost = COSTS[kind] if cost is None else cost
+        records.commit(
+            self.directory,
+            {
+                "schema": 1,
+                "unit_id": unit_id,
+                "kind": kind,
+                "model_version": "1",
+                "inputs": inputs,
+                "group": f"{kind}/{unit_id}",
+                "arrays": written.arrays,
+                "status": "done",
+                "worker": "worker-0",
+                "host": "here",
+                "host_class": host_class,
+                "attempt": 1,
+                "started": "2026-03-01T08:00:00+00:00",
+                "finished": "2026-03-01T08:00:01+00:00",
+                "run_id": run_id,
+                "costs": [
+                    {
+                        "stage": kind,
+                        "wall_s": 2 * cost,
+                        "cpu_s": cost,
+                        "evaluations": int(1000 * cost),
+                        "kernel_calls": 3,
+                        "peak_rss_bytes": 10**8,
+                        "bytes_written": written.bytes_written,
+                    }
+                ],
+            },
+        )
+
+    def _failure(self, unit_id: str, run_id: str) -> dict[str, Any]:
+        return {
+            "schema": 1,
+            "unit_id": unit_id,
+            "kind": "spectra",
+            "run_id": run_id,
+            "attempt": 2,
+            "worker": "worker-0",
+            "host": "here",
+            "status": "failed",
+            "traceback": "Traceback (most recent call last):\n  ...\nArithmeticError: no <b>solution</b>\n",
+            "started": "2026-03-01T08:00:00+00:00",
+            "finished": "2026-03-01T08:00:01+00:00",
+        }
+
+
+def _receptance(soil: int, speed_kmh: float, size: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Return a resonator's receptance at distances of -2.7, 0 and 2.7 m."""
+    frequency = np.geomspace(1.0, 100.0, size)
+    peak = 11.0 - speed_kmh / 75.0
+    form = 5e-9 / (1.0 - (frequency / peak) ** 2 * soil + 0.4j)
+    return frequency, np.array([-2.7, 0.0, 2.7]), np.stack([form * 0.5, form, form * 0.5], axis=1)

@@ -1,0 +1,176 @@
+"""Figures: which there are, that they show what the database holds, and that names do no harm."""
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from queries import database, figures, plots
+from queries.ingest import ingest
+from queries.plots import Combination
+from tests.queries.run_directory import BANDS
+
+CASE = Combination("ballasted-paper", "grona-taget", "fra-hamid-yang-3", 150.0)
+PAPER = [
+    "figure-03-unevenness",
+    "figure-04-receptance-horstwalde",
+    "figure-05-receptance-greby",
+    "figure-06-force-horstwalde",
+    "figure-07-force-greby",
+    "figure-08-rail",
+    "figure-09-narrow-band",
+    "figure-10-ground",
+]
+
+
+def names(directory):
+    with database.connect(directory) as connection:
+        return [drawing.name for drawing in figures.drawings(connection, directory)]
+
+
+def lines(axis):
+    """Return the curves of a panel by colour."""
+    return {line.get_color(): line.get_ydata() for line in axis.lines}
+
+
+def test_the_paper_has_its_figures(paper):
+    assert names(paper) == PAPER
+
+
+def test_figures_are_files_that_are_not_blank(study):
+    directory = study.write()
+    ingest(directory)
+    with database.connect(directory) as connection:
+        published = figures.publish(connection, directory)
+        assert figures.drawn(connection, directory) == published
+    assert [figure.path for figure in published] == [directory / "figures" / f"{name}.png" for name in PAPER]
+    for figure in published:
+        picture = matplotlib.image.imread(figure.path)
+        assert picture.shape[1] > 1000
+        assert 0.01 < np.mean(picture[..., :3].min(axis=2) < 0.8) < 0.5
+
+
+def test_figures_of_an_earlier_state_go(study):
+    directory = study.write()
+    ingest(directory)
+    (directory / "figures").mkdir()
+    (directory / "figures" / "figure-04-receptance-old.png").touch()
+    (directory / "figures" / "mine.png").touch()
+    with database.connect(directory) as connection:
+        figures.publish(connection, directory)
+    left = {path.name for path in (directory / "figures").iterdir()}
+    assert left == {"mine.png", *(f"{name}.png" for name in PAPER)}
+
+
+def test_axes_with_several_values_are_in_the_name(study):
+    directory = study.write(speeds=(100.0, 150.5), lines=10)
+    ingest(directory)
+    found = names(directory)
+    assert "figure-06-force-horstwalde-100-kmh" in found
+    assert "figure-10-ground-150-5-kmh" in found
+    assert len(found) == len(set(found))
+
+
+def test_soils_that_look_alike_in_a_file_name_stay_apart(study):
+    directory = study.write(soils=("a b", "a/b", "../a;b"), lines=10)
+    ingest(directory)
+    found = [name for name in names(directory) if "receptance" in name]
+    assert found == ["figure-04-receptance-a-b", "figure-05-receptance-a-b", "figure-05-receptance-a-b-2"]
+
+
+def test_many_cases_are_sampled_and_it_is_said(study):
+    directory = study.write(soils=tuple(f"soil {n}" for n in range(7)), speeds=(100.0, 150.0), lines=10)
+    ingest(directory)
+    with database.connect(directory) as connection:
+        found = figures.drawings(connection, directory)
+    assert sum("force" in drawing.name for drawing in found) == 4 * 2
+    assert all("A sample: 4 of 7 soils and 2 of 2 combinations" in drawing.caption for drawing in found)
+
+
+def test_a_sample_keeps_both_ends():
+    assert figures.sample(range(10), 4) == [0, 3, 6, 9]
+    assert figures.sample("ab", 4) == ["a", "b"]
+
+
+def test_the_rail_figure_shows_the_levels(results):
+    figure = plots.rail(results, ["horstwalde", "greby"], CASE, ["moving-roughness", "full"])
+    for soil, axis in enumerate(figure.axes):
+        expected = 50.0 + 10.0 * soil - 0.1 * BANDS
+        np.testing.assert_allclose(lines(axis)["#000000"], expected)
+        np.testing.assert_allclose(lines(axis)["#0072B2"], expected + 1.0)
+
+
+def test_the_ground_figure_has_a_row_per_offset_and_a_column_per_soil(results):
+    figure = plots.ground(results, ["horstwalde", "greby"], CASE, ["full"], [0.0, 8.0, 32.0])
+    for place, axis in enumerate(figure.axes):
+        expected = 60.0 + 10.0 * (place % 2) - 5.0 * (3 + place // 2) - 0.1 * BANDS
+        np.testing.assert_allclose(lines(axis)["#000000"], expected)
+
+
+def test_the_force_figure_shows_the_leading_axle_first(results):
+    figure = plots.force(results, "horstwalde", CASE, ["full"])
+    np.testing.assert_allclose(lines(figure.axes[0])["#000000"], 60.0 - 0.1 * BANDS)
+    np.testing.assert_allclose(lines(figure.axes[1])["#000000"], 55.0 - 0.1 * BANDS)
+
+
+def test_the_receptance_figure_shows_magnitude_and_phase(results):
+    figure = plots.receptance(results, "greby", "ballasted-paper", [0.0, 150.0])
+    magnitude, phase = (axis.lines for axis in figure.axes)
+    frequency = magnitude[0].get_xdata()
+    expected = 5.0 / (1.0 - (frequency / 11.0) ** 2 + 0.4j)
+    np.testing.assert_allclose(magnitude[0].get_ydata(), np.abs(expected))
+    np.testing.assert_allclose(phase[0].get_ydata(), np.unwrap(np.angle(expected)))
+    assert frequency[np.argmax(magnitude[1].get_ydata())] == pytest.approx(9.0, rel=0.05)
+
+
+def test_the_unevenness_figure_marks_what_is_extrapolated(results):
+    figure = plots.unevenness(results, ["fra-hamid-yang-3"])
+    curve, outside = figure.axes[0].lines
+    np.testing.assert_allclose(curve.get_ydata(), 10.0 * np.log10(1e-7 * curve.get_xdata() ** 2 * 1e12))
+    assert outside.get_xdata().max() < 1.524
+
+
+@pytest.mark.parametrize("setting", ["all", "none"])
+def test_the_narrow_band_figure_is_the_same_from_database_and_store(study, setting):
+    directory = study.write(narrow_band=setting)
+    ingest(directory)
+    with database.connect(directory) as connection:
+        (drawing,) = [each for each in figures.drawings(connection, directory) if "narrow-band" in each.name]
+        figure = drawing.draw()
+    reference, approach = figure.axes[0].lines
+    assert reference.get_xdata().size == approach.get_xdata().size > 100
+    # Without the ripple of the full model the two are 1 dB apart.
+    ripple = 1.0 + 0.8 * np.sin(2 * np.pi * reference.get_xdata() / 1.57)
+    np.testing.assert_allclose(
+        approach.get_ydata() - reference.get_ydata(), 1.0 - 10 * np.log10(ripple), atol=1e-9
+    )
+
+
+def test_every_axis_names_its_unit(paper):
+    with database.connect(paper) as connection:
+        for drawing in figures.drawings(connection, paper):
+            axes = [axis for axis in drawing.draw().axes if axis.get_visible()]
+            assert any("[" in axis.get_xlabel() for axis in axes), drawing.name
+            assert any("[" in axis.get_ylabel() for axis in axes), drawing.name
+            assert all(axis.get_xscale() == "log" for axis in axes), drawing.name
+
+
+def test_names_are_not_read_as_mathematics(study):
+    directory = study.write(soils=("$\\frac{a$", "_hidden"), lines=10)
+    ingest(directory)
+    with database.connect(directory) as connection:
+        assert len(figures.publish(connection, directory)) == len(PAPER)
+
+
+def test_results_that_are_missing_leave_their_curve_out(study):
+    directory = study.write(lost=("moving-roughness",))
+    ingest(directory)
+    with database.connect(directory) as connection:
+        figures.publish(connection, directory)
+        figure = plots.rail(connection, ["greby"], CASE, ["moving-roughness", "full"])
+    assert set(lines(figure.axes[0])) == {"#000000"}
+
+
+def test_a_run_without_any_result_has_the_figures_that_it_can_have(study):
+    directory = study.write(lost=("moving-roughness", "moving-roughness-uncorrelated", "full"))
+    ingest(directory)
+    assert names(directory) == PAPER[:3]
