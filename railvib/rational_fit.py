@@ -8,17 +8,21 @@ few between neighbouring support points, and the fit is judged at points it has 
 certificate. See docs/theory/ground.md.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numba
 import numpy as np
 from scipy.linalg import lapack
+from threadpoolctl import ThreadpoolController
 
 from railvib.flexibility import surface_flexibilities
 from railvib.ground import Ground
 
 MOST_TERMS = 220
 _SAMPLES_PER_GAP = 4
+_LINEAR_ALGEBRA = ThreadpoolController()
+"""The matrices are so small that handing them to several threads costs ten times what it saves."""
 _ROUNDS = 4
 
 
@@ -98,6 +102,20 @@ def fit_flexibility(
         support = np.linspace(0.0, x_largest, 12)
     else:
         support = np.append(start[start < 0.999 * x_largest], x_largest)
+    with _LINEAR_ALGEBRA.limit(limits=1, user_api="blas"):
+        return _fitted(ground, flexibility, support, k0, z0, largest, tolerance)
+
+
+def _fitted(
+    ground: Ground,
+    flexibility: Callable[[np.ndarray], np.ndarray],
+    support: np.ndarray,
+    k0: float,
+    z0: float,
+    largest: float,
+    tolerance: float,
+) -> RationalFit:
+    """Return the fit that grows from some support points x = asinh(ρ/k0)."""
     samples = _SAMPLES_PER_GAP
     for _ in range(_ROUNDS):
         support, weight, x_seen = _greedy_supports(flexibility, support, k0, z0, tolerance, samples)
