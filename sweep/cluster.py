@@ -1,0 +1,151 @@
+"""Dask workers as the engine's crew: a cluster of this machine, or one that is running already.
+
+Workers are processes of one thread, so that a crash takes one task with it. Everything that railvib starts
+itself listens on the loopback address only.
+"""
+
+import importlib
+import logging
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import dask
+from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin, as_completed
+from distributed.client import FutureCancelledError
+
+from sweep.plan import Task
+from sweep.task import Outcome, Place, execute
+
+ENVIRONMENT = {
+    "NUMBA_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "DASK_LOGGING__DISTRIBUTED": "critical",  # what matters comes back as an outcome
+}
+"""Of worker processes; numba, BLAS and Dask read it when they are imported."""
+
+SETTINGS: dict[str, Any] = {
+    "distributed.scheduler.worker-saturation": 1.0,  # what a dying worker holds is suspect: hold one task
+    "distributed.scheduler.allowed-failures": 1,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.nanny.pre-spawn-environ": ENVIRONMENT,
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.limit": "10s",
+    "distributed.comm.timeouts.connect": "30s",
+}
+
+
+class Workers:
+    """The workers of a scheduler, through a client."""
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._futures: dict[str, str] = {}
+        self._completed = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+
+    @property
+    def size(self) -> int:
+        """How many tasks can run at once; at least one, since workers may be on their way."""
+        threads: dict[str, int] = self._client.nthreads()
+        return max(1, sum(threads.values()))
+
+    def submit(self, task: Task, place: Place) -> None:
+        """Hand a task out; a later attempt has a key of its own, as Dask remembers why a key died."""
+        key = task.key if place.attempt == 1 else f"{task.key}{place.attempt:04x}"
+        self._futures[key] = task.key
+        self._completed.add(self._client.submit(execute, task.key, task.units, place, key=key, pure=False))
+
+    def finished(self) -> Iterator[tuple[str, Outcome | None]]:
+        """Wait for at least one task; release its future at once."""
+        for future, result in self._completed.next_batch(block=True):
+            key = self._futures.pop(future.key)
+            future.release()
+            yield key, _outcome(key, future, result)
+
+
+def _outcome(key: str, future: Future[Any], result: Any) -> Outcome | None:
+    """Return what became of a task as Dask tells it; an exception here is the engine's or the machine's."""
+    if isinstance(result, Outcome):
+        return result
+    error = result[1] if isinstance(result, tuple) else result
+    if isinstance(error, KilledWorker | FutureCancelledError):
+        return None
+    return Outcome(key, "failed", error=f"{type(error).__name__}: {error}".partition("\n")[0])
+
+
+@contextmanager
+def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers]:
+    """Start workers on this machine, warmed up, and stop them at the end whatever happens.
+
+    Parameters
+    ----------
+    workers
+        How many processes.
+    kinds
+        The module whose kinds they will run.
+    dashboard
+        Whether to serve Dask's dashboard, on the loopback address.
+    """
+    with (
+        dask.config.set(SETTINGS),
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0" if dashboard else None,
+            memory_limit=0,  # the plan states the memory; pausing workers would only hide that it is wrong
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        warm_up(client, kinds)
+        yield Workers(client)
+        with suppress(
+            TimeoutError
+        ):  # a worker that is just starting would complain aloud about being stopped
+            client.wait_for_workers(workers, timeout=10)
+
+
+@contextmanager
+def remote(address: str, kinds: str) -> Iterator[Workers]:
+    """Use the workers of a scheduler that is running."""
+    with dask.config.set(SETTINGS), Client(address) as client:
+        client.wait_for_workers(1, timeout=60)
+        warm_up(client, kinds)
+        yield Workers(client)
+
+
+class Deaf(WorkerPlugin):
+    """Lets worker processes ignore Ctrl-C, which a terminal sends to all: the driver stops them."""
+
+    def setup(self, worker: Any) -> None:
+        """Ignore it; the plugin runs in the main thread, where alone that can be said."""
+        with suppress(ValueError):
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+class WarmUp(WorkerPlugin):
+    """Loads the compiled kernels in every worker before its first task, also where one replaces another."""
+
+    def __init__(self, kinds: str) -> None:
+        self._kinds = kinds
+
+    def setup(self, worker: Any) -> None:
+        """Load them."""
+        _warm(self._kinds)
+
+
+def warm_up(client: Client, kinds: str) -> None:
+    """Let one worker fill the compile cache, then all load it: two that compile into it at once can crash."""
+    client.register_plugin(Deaf())
+    first = next(iter(client.scheduler_info(n_workers=-1)["workers"]))
+    client.submit(_warm, kinds, workers=[first], pure=False).result()
+    client.register_plugin(WarmUp(kinds))
+
+
+def _warm(kinds: str) -> None:
+    importlib.import_module(kinds).warm_up()

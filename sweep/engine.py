@@ -1,0 +1,174 @@
+"""Runs the tasks of a plan, in this process or on a Dask cluster, and goes on when some of them fail.
+
+The engine hands out a task when what it needs is done, and only a window of tasks at a time, so that neither
+driver nor scheduler grows with the sweep. Results never come back: workers store them, and return what became
+of a task.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from sweep import records
+from sweep.plan import Plan, Task
+from sweep.task import Outcome, Place, execute, lost
+
+WINDOW_PER_WORKER = 16
+"""Tasks handed out ahead of those that run: enough to hide the way to the scheduler."""
+
+LOST = "its worker died with it, again when it ran alone: out of memory, or a crash in compiled code"
+
+
+class Crew(Protocol):
+    """Whoever runs tasks: this process, or the workers of a cluster."""
+
+    @property
+    def size(self) -> int:
+        """How many tasks can run at once."""
+
+    def submit(self, task: Task, place: Place) -> None:
+        """Hand a task out."""
+
+    def finished(self) -> Iterator[tuple[str, Outcome | None]]:
+        """Wait until tasks have finished; yield keys and outcomes, None where workers died with the task."""
+
+
+class ThisProcess:
+    """Runs one task at a time where the driver is: for debugging and small work."""
+
+    size = 1
+
+    def __init__(self) -> None:
+        self._waiting: deque[tuple[Task, Place]] = deque()
+
+    def submit(self, task: Task, place: Place) -> None:
+        """Hand a task out."""
+        self._waiting.append((task, place))
+
+    def finished(self) -> Iterator[tuple[str, Outcome | None]]:
+        """Run the next task."""
+        task, place = self._waiting.popleft()
+        yield task.key, execute(task.key, task.units, place)
+
+
+@dataclass
+class Tally:
+    """How far a run has come; what progress shows."""
+
+    total: int
+    done: int = 0
+    failed: int = 0
+    skipped: int = 0
+    damaged: int = 0
+    starts: int = 0
+    cpu_s: float = 0.0
+    failures: list[tuple[str, str]] = field(default_factory=list)
+
+    @property
+    def settled(self) -> int:
+        """Tasks that are done, failed, or waited for one that failed."""
+        return self.done + self.failed + self.skipped
+
+
+Report = Callable[[Task, Outcome, Tally], None]
+
+
+def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
+    """Run the tasks of a plan until each is done, has failed, or needs one that has failed.
+
+    Parameters
+    ----------
+    plan
+        What is missing.
+    place
+        Where results go.
+    crew
+        Who runs the tasks.
+    report
+        Called after each task that has settled.
+
+    Returns
+    -------
+    Tally
+        Its `failures` holds key and error of each task that failed.
+    """
+    board = _Board(plan.tasks)
+    tally = Tally(len(plan.tasks))
+    suspects: deque[str] = deque()
+    running: set[str] = set()
+
+    def start(key: str, at: Place) -> None:
+        running.add(key)
+        tally.starts += 1
+        crew.submit(plan.tasks[key], at)
+
+    while True:
+        for key in board.take(max(0, WINDOW_PER_WORKER * crew.size - len(running))):
+            start(key, place)
+        if not running and suspects:
+            # A dead worker makes all it held suspect: alone, only the guilty one can die again.
+            start(suspects.popleft(), replace(place, attempt=place.attempt + 1))
+            alone = True
+        else:
+            alone = False
+        if not running:
+            return tally
+        for key, outcome in crew.finished():
+            running.discard(key)
+            if outcome is None and not alone:
+                suspects.append(key)
+                continue
+            task = plan.tasks[key]
+            if outcome is None:
+                for unit in task.units:
+                    records.fail(place.directory, lost(unit, place, LOST))
+                outcome = Outcome(key, "failed", error=LOST)
+            _settle(board, tally, task, outcome)
+            report(task, outcome, tally)
+
+
+def _settle(board: "_Board", tally: Tally, task: Task, outcome: Outcome) -> None:
+    """Count a task that has ended, and release or drop those that wait for it."""
+    tally.cpu_s += outcome.cpu_s
+    if outcome.status == "done":
+        tally.done += 1
+        board.release(task.key)
+    else:
+        tally.failed += 1
+        tally.damaged += outcome.status == "damaged"
+        tally.skipped += board.drop(task.key)
+        tally.failures.append((task.key, outcome.error))
+
+
+class _Board:
+    """Which tasks can start, and which wait for what."""
+
+    def __init__(self, tasks: Mapping[str, Task]) -> None:
+        self._waits = {key: len(task.after) for key, task in tasks.items()}
+        self._before: dict[str, list[str]] = {}
+        for key, task in tasks.items():
+            for other in task.after:
+                self._before.setdefault(other, []).append(key)
+        self._ready = deque(key for key, count in self._waits.items() if count == 0)
+
+    def take(self, most: int) -> Iterable[str]:
+        """Return up to `most` tasks that can start, in the order of the plan."""
+        return [self._ready.popleft() for _ in range(min(most, len(self._ready)))]
+
+    def release(self, key: str) -> None:
+        """Let go the tasks that waited for this one alone."""
+        for other in self._before.pop(key, ()):
+            if other not in self._waits:  # given up for the sake of another one that it needs
+                continue
+            self._waits[other] -= 1
+            if self._waits[other] == 0:
+                self._ready.append(other)
+
+    def drop(self, key: str) -> int:
+        """Give up the tasks that need this one, directly or through others; return how many."""
+        dropped = 0
+        for other in self._before.pop(key, ()):
+            if self._waits.pop(other, None) is not None:
+                dropped += 1 + self.drop(other)
+        return dropped

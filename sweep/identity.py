@@ -1,0 +1,103 @@
+"""Identity by content: what is computed from the same physical inputs by the same model is the same thing.
+
+An id is the sha256 of a canonical JSON text, in which a table stands as its own id: so what many units share,
+such as a ground, is written out once. Numbers are written as floats by `repr`, so 150 and 150.0 agree;
+keys are sorted; names, paths, the order of axes and the number of workers never enter, because callers put
+physics in only.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+from pydantic import BaseModel
+
+import railvib
+
+_EXACT_INTEGERS = 2**53
+
+
+class Canonical(dict[str, Any]):
+    """A table in canonical form; it knows its own digest, and is never changed."""
+
+    @cached_property
+    def digest(self) -> str:
+        """The sha256 of the table, in hexadecimal."""
+        short = {key: item.digest if isinstance(item, Canonical) else item for key, item in self.items()}
+        return hashlib.sha256(_json(short).encode()).hexdigest()
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        """Return the hash of the digest, so that what follows from a table can be remembered."""
+        return hash(self.digest)
+
+
+def canonical(value: Any) -> Any:
+    """Return the canonical form of `value`, plain JSON data: models by field name, numbers as floats.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, or an integer too large to be a float exactly.
+    TypeError
+        If something has no canonical form, such as an array or a path.
+    """
+    if isinstance(value, Canonical):
+        return value
+    if isinstance(value, BaseModel):
+        # By hand, not by model_dump(): aliases with units stay out, and what is absent does not exist here,
+        # so that a new optional field leaves the ids of all objects without it as they are.
+        fields = {name: getattr(value, name) for name in type(value).model_fields}
+        return Canonical({name: canonical(item) for name, item in fields.items() if item is not None})
+    if value is None or isinstance(value, bool | str):
+        return value
+    if isinstance(value, int):
+        if abs(value) > _EXACT_INTEGERS:
+            raise ValueError(f"{value} is too large an integer for an identity")
+        return float(value)
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise ValueError(f"{value} cannot be part of an identity")
+        return float(value) + 0.0  # -0.0 becomes 0.0
+    if isinstance(value, Mapping):
+        return Canonical({str(key): canonical(item) for key, item in value.items()})
+    if isinstance(value, list | tuple):
+        return tuple(canonical(item) for item in value)
+    if isinstance(value, set | frozenset):
+        return tuple(sorted((canonical(item) for item in value), key=text))
+    raise TypeError(f"{type(value).__name__} has no canonical form")
+
+
+def text(value: Any) -> str:
+    """Return the canonical JSON text of `value`, written out in full."""
+    return _json(canonical(value))
+
+
+def digest(value: Mapping[str, Any]) -> str:
+    """Return the sha256 of a table's canonical form, in hexadecimal."""
+    table: Canonical = canonical(value)
+    return table.digest
+
+
+def unit_id(kind: str, inputs: Mapping[str, Any]) -> str:
+    """Return the id of a stored unit: its kind, its physical inputs and the model's own version number."""
+    return digest({"kind": kind, "model_version": railvib.MODEL_VERSION, "inputs": inputs})
+
+
+def case_id(things: Mapping[str, Any], speed: float) -> str:
+    """Return the id of a case: its physics alone, whatever computes it.
+
+    Parameters
+    ----------
+    things
+        Ground, track, train and unevenness by kind.
+    speed
+        m/s.
+    """
+    return digest({**things, "speed": speed})
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)

@@ -1,0 +1,133 @@
+"""From the units that are wanted to the tasks that are missing, in the order in which they can run."""
+
+import hashlib
+from collections.abc import Iterable, Mapping, Set
+from dataclasses import dataclass, field
+
+from sweep.kinds import Kind, Unit
+
+
+@dataclass(frozen=True)
+class Task:
+    """Units that are computed together, and the tasks that must be done before."""
+
+    key: str
+    units: tuple[Unit, ...]
+    after: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Tasks by key, each after those it needs, and every unit that the request rests on.
+
+    Attributes
+    ----------
+    tasks
+        What is missing.
+    units
+        All units by id, present or missing.
+    closure
+        Per wanted unit, by id: the ids of all units that it rests on, itself last.
+    """
+
+    tasks: Mapping[str, Task]
+    units: Mapping[str, Unit]
+    closure: Mapping[str, tuple[str, ...]]
+    missing: Set[str] = field(default_factory=frozenset)
+
+
+def make(wanted: Iterable[Unit], kinds: Mapping[str, Kind], present: Set[str]) -> Plan:
+    """Plan what is missing of the wanted units and of all they need.
+
+    Parameters
+    ----------
+    wanted
+        The units whose results are asked for.
+    kinds
+        What the engine knows of each kind.
+    present
+        Ids of the units that are done. What only a unit that is done needs is not computed again.
+    """
+    needs: dict[str, tuple[str, ...]] = {}
+    units: dict[str, Unit] = {}
+
+    def visit(unit: Unit) -> None:
+        if unit.id in units:
+            return
+        needed = kinds[unit.kind].needs(unit.inputs)
+        for other in needed:
+            visit(other)
+        needs[unit.id] = tuple(other.id for other in needed)
+        units[unit.id] = unit  # after what it needs: the order is one in which everything can run
+
+    roots = list(dict.fromkeys(wanted))
+    for unit in roots:
+        visit(unit)
+    closure = {unit.id: _closure(unit.id, needs) for unit in roots}
+
+    missing: set[str] = set()
+    for identity in reversed(units):
+        # Missing is what is wanted itself or needed by something missing, which comes later and is decided.
+        if identity not in present and (identity in closure or identity in missing):
+            missing.add(identity)
+        if identity in missing:
+            missing.update(other for other in needs[identity] if other not in present)
+    return Plan(_tasks(units, needs, kinds, missing), units, closure, frozenset(missing))
+
+
+def _closure(identity: str, needs: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """Return the ids of all that a unit rests on, each after those that it needs."""
+    found: dict[str, None] = {}
+
+    def visit(one: str) -> None:
+        if one not in found:
+            for other in needs[one]:
+                visit(other)
+            found[one] = None
+
+    visit(identity)
+    return tuple(found)
+
+
+def _tasks(
+    units: Mapping[str, Unit],
+    needs: Mapping[str, tuple[str, ...]],
+    kinds: Mapping[str, Kind],
+    missing: Set[str],
+) -> dict[str, Task]:
+    """Gather the missing units into tasks, in an order in which they can run."""
+    groups: dict[object, list[Unit]] = {}
+    for identity, unit in units.items():
+        if identity in missing:
+            kind = kinds[unit.kind]
+            groups.setdefault((kind.compute, kind.together(unit.inputs)), []).append(unit)
+    keys: dict[str, str] = {}
+    for group in groups.values():
+        digest = hashlib.sha256("".join(unit.id for unit in group).encode()).hexdigest()[:32]
+        for unit in group:
+            keys[unit.id] = f"{group[-1].kind}-{digest}"
+    tasks: dict[str, Task] = {}
+    for group in groups.values():
+        key = keys[group[0].id]
+        after = {keys[other] for unit in group for other in needs[unit.id] if other in missing}
+        tasks[key] = Task(key, tuple(group), frozenset(after - {key}))
+    return _ordered(tasks)
+
+
+def _ordered(tasks: Mapping[str, Task]) -> dict[str, Task]:
+    """Return tasks sorted so that each stands after those it needs.
+
+    Raises
+    ------
+    ValueError
+        If they go round in a circle, which is an error of the kinds' grouping.
+    """
+    done: dict[str, Task] = {}
+    waiting = dict(tasks)
+    while waiting:
+        ready = [key for key, task in waiting.items() if task.after <= done.keys()]
+        if not ready:
+            raise ValueError(f"{len(waiting)} tasks wait for each other")
+        for key in ready:
+            done[key] = waiting.pop(key)
+    return done

@@ -1,0 +1,245 @@
+"""A run from study to manifest: check the directory, plan, compute what is missing, and say how it went."""
+
+import json
+import os
+import platform
+import secrets
+import socket
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import railvib
+from railvib.errors import InputError
+from sweep import plan, records, units
+from sweep.host import host_class
+from sweep.kinds import Kind, Unit
+from sweep.study import Case, Resolved
+
+LIBRARIES = (
+    "railvib",
+    "numpy",
+    "scipy",
+    "numba",
+    "zarr",
+    "dask",
+    "distributed",
+    "pydantic",
+    "xarray",
+    "duckdb",
+)
+DONE, FAILED, INTERRUPTED = 0, 1, 130
+REPAIRS = 3
+"""How often a run plans anew because stored results were found damaged."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A study with its cases and the plan of what it needs.
+
+    Attributes
+    ----------
+    wanted
+        Per case and approach, the unit that holds its result.
+    """
+
+    resolved: Resolved
+    cases: tuple[Case, ...]
+    wanted: Mapping[tuple[str, str], Unit]
+    plan: plan.Plan
+
+
+def prepare(resolved: Resolved, directory: Path) -> Request:
+    """Plan a study against what a directory holds already; writes nothing.
+
+    Raises
+    ------
+    InputError
+        If the directory belongs to another study, or to something else.
+    """
+    check_directory(directory, resolved.study.study.name)
+    cases = tuple(resolved.cases())
+    wanted: dict[tuple[str, str], Unit] = {
+        (case.case_id, approach): units.spectra_unit(resolved, case, approach)
+        for case in cases
+        for approach in resolved.study.approaches.compare
+    }
+    return Request(
+        resolved, cases, wanted, plan.make(wanted.values(), units.KINDS, records.present(directory))
+    )
+
+
+def check_directory(directory: Path, name: str) -> None:
+    """Check that a directory is free, or holds earlier runs of the study of this name.
+
+    Raises
+    ------
+    InputError
+        If it does not.
+    """
+    if not directory.exists() or (directory.is_dir() and not any(directory.iterdir())):
+        return
+    try:
+        other = records.Run.load(directory)["study_name"]
+    except (OSError, ValueError, KeyError):
+        raise InputError(
+            f"--out = {str(directory)!r}: holds something else; must be new, empty or of the study {name!r}"
+        ) from None
+    if other != name:
+        raise InputError(
+            f"--out = {str(directory)!r}: is of the study {other!r}; must be new, empty or of {name!r}"
+        )
+
+
+def execute(request: Request, directory: Path, workers: int, scheduler: str | None, dashboard: bool) -> int:
+    """Compute what is missing, and leave the manifest; return the exit status.
+
+    Parameters
+    ----------
+    request
+        The study and its plan.
+    directory
+        Where results go; made if missing.
+    workers
+        Processes to start on this machine; 0 computes in this process.
+    scheduler
+        Address of a Dask scheduler to use instead.
+    dashboard
+        Whether workers started here show Dask's dashboard.
+    """
+    run_id = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{secrets.token_hex(4)}"
+    manifest = _manifest(request, run_id, workers)
+    if not request.plan.tasks and _asked_before(manifest, directory):
+        return DONE
+    directory.mkdir(parents=True, exist_ok=True)
+    records.Run.publish(directory, manifest)
+    status = INTERRUPTED
+    try:
+        status = _compute(request, directory, run_id, workers, scheduler, dashboard)
+    finally:
+        manifest |= {"finished": _now(), "exit_status": status}
+        records.Run.publish(directory, manifest)
+    return status
+
+
+def _asked_before(manifest: Mapping[str, Any], directory: Path) -> bool:
+    """Return whether the latest run of a directory asked for the same, and got it: then it stands."""
+    try:
+        latest = records.Run.load(directory)
+    except FileNotFoundError:
+        return False
+    asked = ("study", "cases", "model_version", "parameters")
+    return latest["exit_status"] == DONE and all(
+        latest[name] == json.loads(json.dumps(manifest[name])) for name in asked
+    )
+
+
+def _compute(
+    request: Request, directory: Path, run_id: str, workers: int, scheduler: str | None, dashboard: bool
+) -> int:
+    """Run the missing tasks, if any: without work there is no cluster, and nothing heavy is imported."""
+    tasks = request.plan.tasks
+    from sweep.progress import Display, Log
+
+    with Log(directory, run_id) as log:
+        log.write("planned", cases=len(request.cases), units=len(request.plan.units), tasks=len(tasks))
+        if not tasks:
+            log.write("finished", done=0, failed=0, skipped=0)
+            return DONE
+        from sweep import engine, store
+        from sweep.task import Outcome, Place
+
+        store.clean(directory / store.STORE)
+        place = Place(str(directory.resolve()), run_id, units.__name__)
+        cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
+        with Display(len(tasks)) as display, _crew(len(tasks), workers, scheduler, dashboard) as crew:
+
+            def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
+                display.update(task, outcome, tally)
+                log.write(
+                    outcome.status,
+                    task=task.key,
+                    cases=sorted({cases[unit.id] for unit in task.units if unit.id in cases}),
+                    units=len(task.units),
+                    cpu_s=round(outcome.cpu_s, 4),
+                    **({"error": outcome.error} if outcome.error else {}),
+                    **({"warnings": outcome.warnings} if outcome.warnings else {}),
+                )
+
+            tally = engine.run(request.plan, place, crew, report)
+            for _ in range(REPAIRS):
+                if not tally.damaged:
+                    break
+                # A stored result was found damaged and withdrawn: a new plan makes it again.
+                log.write("repairing", tasks=tally.damaged)
+                again = prepare(request.resolved, directory).plan
+                tally = engine.run(again, place, crew, report)
+        log.write("finished", done=tally.done, failed=tally.failed, skipped=tally.skipped)
+    return FAILED if tally.failed else DONE
+
+
+def _crew(tasks: int, workers: int, scheduler: str | None, dashboard: bool) -> AbstractContextManager[Any]:
+    """Return who computes: a running cluster, this process, or workers started for the purpose."""
+    from sweep import engine
+
+    if scheduler is None and workers == 0:
+        return nullcontext(engine.ThisProcess())
+    from sweep import cluster
+
+    if scheduler is not None:
+        return cluster.remote(scheduler, units.__name__)
+    return cluster.local(min(workers, tasks), units.__name__, dashboard)
+
+
+def _manifest(request: Request, run_id: str, workers: int) -> dict[str, Any]:
+    """Return the manifest of a run that begins; names stand here, and in no id."""
+    resolved = request.resolved
+    return {
+        "schema": records.SCHEMA,
+        "run_id": run_id,
+        "study_name": resolved.study.study.name,
+        "study": resolved.document(),
+        "reference": resolved.study.approaches.reference,
+        "versions": {
+            "python": platform.python_version(),
+            **{name: metadata.version(name) for name in LIBRARIES},
+        },
+        "model_version": railvib.MODEL_VERSION,
+        "host": socket.gethostname(),
+        "host_class": host_class(),
+        "threads": max(workers, 1),
+        "pid": os.getpid(),
+        "started": _now(),
+        "finished": None,
+        "exit_status": None,
+        "parameters": resolved.parameters(),
+        "unevenness_bands": units.unevenness_bands(resolved),
+        "cases": [_case(case, request, units.KINDS) for case in request.cases],
+    }
+
+
+def _case(case: Case, request: Request, kinds: Mapping[str, Kind]) -> dict[str, Any]:
+    approaches = {}
+    for approach in request.resolved.study.approaches.compare:
+        rests_on = request.plan.closure[request.wanted[case.case_id, approach].id]
+        approaches[approach] = [
+            {"unit_id": unit.id, "scope": kinds[unit.kind].scope(unit.inputs)}
+            for unit in (request.plan.units[identity] for identity in rests_on)
+        ]
+    return {
+        "case_id": case.case_id,
+        "soil": case.soil,
+        "track": case.track,
+        "train": case.train,
+        "unevenness": case.unevenness,
+        "speed_kmh": case.speed_kmh,
+        "units": approaches,
+    }
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")

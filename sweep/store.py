@@ -1,0 +1,289 @@
+"""Results as immutable Zarr groups: a frozen dataclass of arrays in, the same dataclass or plain arrays out.
+
+Fields whose metadata name their dimensions are arrays, `field(metadata={"dims": ("frequency", "node"),
+"unit": "m/N", "description": "..."})`; all others, and arrays of text, go to the group's attributes. A group
+is encoded in memory, written aside under `*.partial` and renamed to its place, so that what stands at its
+place is whole. An array is one chunk or is cut along its first dimension by this module alone: no caller can
+write part of a chunk.
+"""
+
+import dataclasses
+import errno
+import filecmp
+import hashlib
+import math
+import os
+import shutil
+import uuid
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+from zarr.codecs import Crc32cCodec
+from zarr.core.buffer import default_buffer_prototype
+from zarr.errors import ZarrUserWarning
+from zarr.storage import MemoryStore
+
+STORE = "transfer_functions.zarr"
+CHUNK_BYTES = 64 * 2**20
+_EMPTY_GROUP = '{"zarr_format":3,"node_type":"group","attributes":{}}'
+
+Result = TypeVar("Result")
+
+
+class DamagedError(Exception):
+    """A stored group is not what its record says: an array is missing, torn or altered."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Written:
+    """What a write left: per array its sha256, shape and dtype, and the bytes of all files of the group."""
+
+    arrays: dict[str, dict[str, Any]]
+    bytes_written: int
+
+
+def write(
+    root: Path,
+    group: str,
+    result: Any,
+    attributes: Mapping[str, Any],
+    keep: Callable[[], bool] = lambda: False,
+) -> Written:
+    """Write `result`, a frozen dataclass of arrays, as the group `root/group`.
+
+    Where the group is there already with other bytes (left by an attempt that died before its record), it is
+    replaced, unless `keep` says that it has been committed meanwhile.
+
+    Raises
+    ------
+    ValueError
+        If an array does not have the dimensions that its field declares, or an attribute cannot be stored.
+    """
+    arrays, extra = _split(result)
+    objects = _encode(arrays, {**attributes, **extra})
+    place = root / group
+    _make_parents(root, group)
+    partial = root.with_name(root.name + ".partial") / uuid.uuid4().hex
+    for key, content in objects.items():
+        path = partial / key
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    _rename(partial, place, keep)
+    return Written(
+        {name: checksum(array) for name, (array, _) in arrays.items()},
+        sum(len(content) for content in objects.values()),
+    )
+
+
+def read(
+    root: Path, group: str, kind: type[Result], arrays: Mapping[str, Mapping[str, Any]] | None = None
+) -> Result:
+    """Read the group `root/group` back as the dataclass `kind`, verified against a record's `arrays`.
+
+    Raises
+    ------
+    DamagedError
+        If the group is missing, cannot be decoded or differs from `arrays`.
+    """
+    found, attributes = _load(root, group, arrays)
+    values: dict[str, Any] = {}
+    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+        if "dims" in field.metadata:
+            array = np.asarray(attributes[field.name]) if field.name in attributes else found.get(field.name)
+            values[field.name] = array[()] if array is not None and array.ndim == 0 else array
+        else:
+            values[field.name] = _restored(attributes[field.name], field.type)
+    return kind(**values)
+
+
+def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Return the arrays of one group of a run directory by name, and the group's attributes.
+
+    Raises
+    ------
+    DamagedError
+        If the group is missing or cannot be decoded.
+    """
+    return _load(Path(directory) / STORE, group, None)
+
+
+def checksum(array: NDArray[Any]) -> dict[str, Any]:
+    """Return sha256 of the raw bytes (C order, little endian), shape and dtype of an array."""
+    array = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)
+    raw = array.reshape(-1).view(np.uint8) if array.size else array.reshape(-1)
+    return {
+        "sha256": hashlib.sha256(raw.data).hexdigest(),
+        "shape": list(array.shape),
+        "dtype": array.dtype.name,
+    }
+
+
+def clean(root: Path) -> None:
+    """Remove what writers that died have left aside; only while no other writer is at work."""
+    shutil.rmtree(root.with_name(root.name + ".partial"), ignore_errors=True)
+
+
+def _split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]]], dict[str, Any]]:
+    """Part the fields of a dataclass into arrays with their metadata and attributes; check dimensions."""
+    arrays: dict[str, tuple[NDArray[Any], Mapping[str, Any]]] = {}
+    attributes: dict[str, Any] = {}
+    sizes: dict[str, int] = {}
+    for field in dataclasses.fields(result):
+        value = getattr(result, field.name)
+        if "dims" not in field.metadata:
+            attributes[field.name] = _plain(value)
+            continue
+        if value is None:
+            continue
+        array = np.asarray(value)
+        dims = field.metadata["dims"]
+        if array.dtype.kind == "U":  # Zarr's format has no settled form for text
+            attributes[field.name] = array.tolist()
+            continue
+        if array.ndim != len(dims) or array.dtype.kind not in "fciub":
+            raise ValueError(
+                f"{type(result).__name__}.{field.name}: {array.dtype} {array.shape} does not fit {dims}"
+            )
+        for dim, size in zip(dims, array.shape, strict=True):
+            if sizes.setdefault(dim, size) != size:
+                raise ValueError(
+                    f"{type(result).__name__}.{field.name}: {size} along {dim}, others have {sizes[dim]}"
+                )
+        arrays[field.name] = (array, field.metadata)
+    return arrays, attributes
+
+
+def _encode(
+    arrays: Mapping[str, tuple[NDArray[Any], Mapping[str, Any]]], attributes: Mapping[str, Any]
+) -> dict[str, memoryview]:
+    """Encode a group in memory, which is several times faster than in files; return objects by key."""
+    memory = MemoryStore()
+    group = zarr.create_group(memory, zarr_format=3, attributes=dict(attributes))
+    for name, (array, metadata) in arrays.items():
+        group.create_array(
+            name,
+            data=array,
+            chunks=_chunks(array),
+            compressors=[
+                Crc32cCodec()
+            ],  # complex fields do not compress; the checksum shows a torn chunk to any reader
+            fill_value=_fill(array.dtype),
+            dimension_names=metadata["dims"],
+            attributes={"units": metadata.get("unit", "1"), "long_name": metadata.get("description", name)},
+            config={"write_empty_chunks": True},
+        )
+    with warnings.catch_warnings():
+        warnings.simplefilter(
+            "ignore", ZarrUserWarning
+        )  # consolidated metadata are an extension; xarray looks for them
+        zarr.consolidate_metadata(memory)
+    return {key: value.as_numpy_array().data for key, value in memory._store_dict.items()}
+
+
+def _chunks(array: NDArray[Any]) -> tuple[int, ...]:
+    """Return the chunk shape: the whole array, or whole rows of it where it is larger than CHUNK_BYTES."""
+    if array.nbytes <= CHUNK_BYTES:
+        return tuple(max(size, 1) for size in array.shape)
+    rows = max(1, CHUNK_BYTES // (array.nbytes // array.shape[0]))
+    return (rows, *array.shape[1:])
+
+
+def _fill(dtype: np.dtype[Any]) -> Any:
+    """Return what a reader sees where a chunk is missing: NaN, or zero for integers, which have none."""
+    if dtype.kind == "c":
+        return complex(np.nan, np.nan)
+    return np.nan if dtype.kind == "f" else 0
+
+
+def _make_parents(root: Path, group: str) -> None:
+    """Make the groups above `group`, so that the store can be walked from its root."""
+    level = root
+    for part in ("", *Path(group).parent.parts):
+        level = level / part
+        level.mkdir(parents=True, exist_ok=True)
+        if not (level / "zarr.json").exists():
+            temporary = level / f"zarr.json.{uuid.uuid4().hex}.partial"
+            temporary.write_text(_EMPTY_GROUP)
+            temporary.replace(level / "zarr.json")
+
+
+def _rename(partial: Path, place: Path, keep: Callable[[], bool]) -> None:
+    """Move a whole group to its place; one that is there stays if it is the same, or is to be kept."""
+    while True:
+        try:
+            partial.rename(place)
+            return
+        except OSError as error:
+            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                raise
+        if keep() or _same(partial, place):
+            shutil.rmtree(partial)
+            return
+        aside = partial.with_name(uuid.uuid4().hex)
+        try:
+            place.rename(aside)
+        except FileNotFoundError:  # another writer was as quick: try again
+            continue
+        shutil.rmtree(aside)
+
+
+def _same(one: Path, other: Path) -> bool:
+    """Return whether two directories hold the same files with the same bytes."""
+    files = [sorted(path.relative_to(top) for path in _files(top)) for top in (one, other)]
+    return files[0] == files[1] and all(
+        filecmp.cmp(one / path, other / path, shallow=False) for path in files[0]
+    )
+
+
+def _files(top: Path) -> Iterator[Path]:
+    for folder, _, names in os.walk(top):
+        for name in names:
+            yield Path(folder) / name
+
+
+def _load(
+    root: Path, group: str, expected: Mapping[str, Mapping[str, Any]] | None
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Read a whole group through memory, and compare it with the checksums that its record expects."""
+    place = root / group
+    prototype = default_buffer_prototype()
+    objects = {
+        path.relative_to(place).as_posix(): prototype.buffer.from_bytes(path.read_bytes())
+        for path in _files(place)
+    }
+    try:
+        node = zarr.open_group(MemoryStore(objects), mode="r")
+        found = {name: np.asarray(array[...]) for name, array in node.arrays()}
+        attributes = dict(node.attrs)
+    except Exception as error:  # a decoder may raise anything on bytes that are not its own
+        raise DamagedError(f"{group}: {type(error).__name__}: {error}") from error
+    if expected is not None:
+        for name in expected.keys() | found.keys():
+            if name not in found or name not in expected or checksum(found[name]) != dict(expected[name]):
+                raise DamagedError(f"{group}: the array {name} is not the one recorded")
+    return found, attributes
+
+
+def _plain(value: Any) -> Any:
+    """Return an attribute as JSON can hold it: complex numbers as pairs, what is not finite as text."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, complex):
+        return [_plain(value.real), _plain(value.imag)]
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+
+
+def _restored(value: Any, form: Any) -> Any:
+    """Return an attribute as the dataclass holds it."""
+    if isinstance(value, list):
+        value = tuple(_restored(item, form) for item in value)
+    if form in (complex, "complex"):
+        return complex(*map(float, value)) if isinstance(value, tuple) else value
+    return float(value) if form in (float, "float") else value

@@ -1,0 +1,305 @@
+"""One task, as a worker runs it: compute the units still missing, store them, tell what that cost.
+
+A task may run more than once, here or elsewhere; it looks for records first and the first record stays, so a
+unit is counted once whatever happens. Nothing that the physics raises gets out: it becomes the record of a
+failure.
+"""
+
+import contextlib
+import dataclasses
+import os
+import resource
+import socket
+import time
+import traceback
+import warnings
+from collections import OrderedDict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal
+
+import railvib
+from railvib import cost
+from railvib.errors import PlausibilityWarning
+from sweep import records, store
+from sweep.host import host_class
+from sweep.kinds import AccuracyWarning, Kind, Unit, registry
+
+CACHE_BYTES = 128 * 2**20
+"""What a worker keeps of the results that it has read, for the tasks that follow."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the results of a run go and who asks for them; all that a task must know beside its units."""
+
+    directory: str
+    run_id: str
+    kinds: str
+    attempt: int = 1
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a task.
+
+    Attributes
+    ----------
+    status
+        ``done``, ``failed`` when the computation raised, ``damaged`` when a stored result that it needs was
+        not whole and has been withdrawn.
+    computed
+        How many units this attempt stored first.
+    cpu_s
+        Processor seconds that it took [s].
+    error
+        The last line of what was raised.
+    warnings
+        Where results stay behind the accuracy asked for.
+    """
+
+    key: str
+    status: Literal["done", "failed", "damaged"]
+    computed: int = 0
+    cpu_s: float = 0.0
+    error: str = ""
+    warnings: tuple[str, ...] = ()
+
+
+class WithdrawnError(Exception):
+    """A stored result was found damaged; its record has been taken back."""
+
+
+class Cache:
+    """The results read last, up to a number of bytes."""
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self._held = 0
+        self._results: OrderedDict[tuple[str, str], tuple[Any, int]] = OrderedDict()
+
+    def get(self, key: tuple[str, str]) -> Any:
+        """Return a result, or None where it is not held."""
+        if key not in self._results:
+            return None
+        self._results.move_to_end(key)
+        return self._results[key][0]
+
+    def put(self, key: tuple[str, str], result: Any, size: int) -> None:
+        """Hold a result, and let go of those not used for longest."""
+        if key in self._results or size > self._limit:
+            return
+        self._results[key] = (result, size)
+        self._held += size
+        while self._held > self._limit:
+            _, (_, freed) = self._results.popitem(last=False)
+            self._held -= freed
+
+
+_cache = Cache(CACHE_BYTES)
+
+
+def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
+    """Compute, store and record the units that have no record yet.
+
+    Parameters
+    ----------
+    key
+        The task's key.
+    units
+        The units of the task.
+    place
+        Where results go.
+    """
+    missing = [unit for unit in units if records.find(place.directory, unit.kind, unit.id) is None]
+    kinds = registry(place.kinds)
+    started = _now()
+    cpu = time.process_time()
+    _reset_peak()
+    done: list[bool] = []
+    cautions: list[str] = []
+    try:
+        for first, warned in _compute(missing, kinds, place, started):
+            done.append(first)
+            cautions += warned
+    except WithdrawnError as error:
+        return Outcome(key, "damaged", sum(done), time.process_time() - cpu, str(error))
+    except Exception as error:
+        text = traceback.format_exc()
+        for unit in missing:
+            if records.find(place.directory, unit.kind, unit.id) is None:
+                records.fail(place.directory, _failure(unit, place, started, text))
+        message = f"{type(error).__name__}: {error}".partition("\n")[0]
+        return Outcome(key, "failed", sum(done), time.process_time() - cpu, message)
+    return Outcome(key, "done", sum(done), time.process_time() - cpu, warnings=tuple(dict.fromkeys(cautions)))
+
+
+def _compute(
+    missing: list[Unit], kinds: Mapping[str, Kind], place: Place, started: str
+) -> Iterator[tuple[bool, list[str]]]:
+    """Compute batch by batch, commit what each brings; yield per unit whether it is first, and warnings."""
+    if not missing:
+        return
+    batches = kinds[missing[0].kind].compute(missing, Reader(place.directory, kinds))
+    while True:
+        cpu, wall = time.process_time(), time.perf_counter()
+        with cost.collect() as costs, warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("ignore", PlausibilityWarning)  # the plan has shown them, once
+            warnings.simplefilter("always", AccuracyWarning)
+            batch = next(batches, None)
+        if batch is None:
+            return
+        _complete(costs, time.perf_counter() - wall, time.process_time() - cpu)
+        cautions = [str(each.message) for each in caught if issubclass(each.category, AccuracyWarning)]
+        for unit, result in batch.items():
+            shares = _share(unit, batch, costs, kinds)
+            yield _commit(unit, result, shares, cautions, place, started), cautions
+
+
+class Reader:
+    """Reads results of units that are done, verified against their records."""
+
+    def __init__(self, directory: str, kinds: Mapping[str, Kind]) -> None:
+        self._directory = directory
+        self._kinds = kinds
+
+    def __call__(self, unit: Unit) -> Any:
+        """Return the result of a unit.
+
+        Raises
+        ------
+        WithdrawnError
+            If it is damaged or not there; its record, if any, is taken back so that it is computed again.
+        """
+        held = _cache.get((self._directory, unit.id))
+        if held is not None:
+            return held
+        with cost.stage("load"):
+            record = records.find(self._directory, unit.kind, unit.id)
+            try:
+                if record is None:
+                    raise store.DamagedError(f"{unit.group}: has no record that can be read")
+                result: Any = store.read(
+                    Path(self._directory) / store.STORE,
+                    record["group"],
+                    self._kinds[unit.kind].result,
+                    record["arrays"],
+                )
+            except store.DamagedError as error:
+                records.withdraw(self._directory, unit.kind, unit.id)
+                raise WithdrawnError(str(error)) from error
+        _cache.put((self._directory, unit.id), result, _bytes(result))
+        return result
+
+
+def _commit(
+    unit: Unit, result: Any, costs: list[dict[str, Any]], cautions: list[str], place: Place, started: str
+) -> bool:
+    """Store a result and write its record; return whether this record is the first."""
+    cpu, wall = time.process_time(), time.perf_counter()
+    written = store.write(
+        Path(place.directory) / store.STORE,
+        unit.group,
+        result,
+        {"kind": unit.kind, "unit_id": unit.id, "model_version": railvib.MODEL_VERSION},
+        keep=lambda: records.find(place.directory, unit.kind, unit.id) is not None,
+    )
+    storing = {
+        **vars(cost.StageCost("store", time.perf_counter() - wall, time.process_time() - cpu)),
+        "peak_rss_bytes": _peak(),
+        "bytes_written": written.bytes_written,
+    }
+    record = {
+        **_head(unit, place, started),
+        "status": "done",
+        "group": unit.group,
+        "arrays": written.arrays,
+        "costs": [*costs, storing],
+        "warnings": cautions,
+    }
+    return records.commit(place.directory, record)
+
+
+def _failure(unit: Unit, place: Place, started: str, text: str) -> dict[str, Any]:
+    return {**_head(unit, place, started), "status": "failed", "traceback": text}
+
+
+def lost(unit: Unit, place: Place, message: str) -> dict[str, Any]:
+    """Return the failure record of a unit whose worker died with it, as the driver writes it."""
+    return _failure(unit, place, _now(), message)
+
+
+def _head(unit: Unit, place: Place, started: str) -> dict[str, Any]:
+    """Return what records of success and of failure have in common."""
+    return {
+        "schema": records.SCHEMA,
+        "unit_id": unit.id,
+        "kind": unit.kind,
+        "model_version": railvib.MODEL_VERSION,
+        "inputs": unit.inputs,
+        "worker": f"{socket.gethostname()}:{os.getpid()}",
+        "host": socket.gethostname(),
+        "host_class": host_class(),
+        "attempt": place.attempt,
+        "started": started,
+        "finished": _now(),
+        "run_id": place.run_id,
+    }
+
+
+def _complete(costs: list[cost.StageCost], wall_s: float, cpu_s: float) -> None:
+    """Add what the physics' own stages leave unexplained, so that the stages' sum is the whole."""
+    wall_s -= sum(spent.wall_s for spent in costs)
+    cpu_s -= sum(spent.cpu_s for spent in costs)
+    if not costs or wall_s > 1e-3:
+        cost.add(costs, cost.StageCost("other", max(wall_s, 0.0), max(cpu_s, 0.0), peak_rss_bytes=_peak()))
+
+
+def _share(
+    unit: Unit, batch: Mapping[Unit, Any], costs: Iterable[cost.StageCost], kinds: Mapping[str, Kind]
+) -> list[dict[str, Any]]:
+    """Return a unit's part of its batch's costs: a stage named as a kind is its units', others all's."""
+    members: dict[str, int] = {}
+    for other in batch:
+        members[other.kind] = members.get(other.kind, 0) + 1
+    shares = []
+    for spent in costs:
+        if spent.stage in members and spent.stage != unit.kind:
+            continue
+        part = members[spent.stage] if spent.stage in members else len(batch)
+        # Counts are whole numbers: the first units of the batch take what does not divide.
+        index = [other for other in batch if spent.stage not in members or other.kind == spent.stage].index(
+            unit
+        )
+        shares.append(
+            {
+                **vars(spent),
+                "wall_s": spent.wall_s / part,
+                "cpu_s": spent.cpu_s / part,
+                "evaluations": spent.evaluations // part + (index < spent.evaluations % part),
+                "kernel_calls": spent.kernel_calls // part + (index < spent.kernel_calls % part),
+                "bytes_written": 0,
+            }
+        )
+    return shares
+
+
+def _bytes(result: Any) -> int:
+    """Return the bytes of all arrays of a result."""
+    return sum(getattr(getattr(result, field.name), "nbytes", 0) for field in dataclasses.fields(result))
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def _reset_peak() -> None:
+    """Let the peak of the resident memory start anew, where the system can."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def _peak() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * cost.RSS_UNIT

@@ -1,0 +1,472 @@
+"""What railvib computes, as units of work: per kind its inputs, what it needs, and what computes it.
+
+Everything a result depends on is in a unit's inputs, so that the computing below starts from them alone. What
+a unit needs follows from its inputs as well: from the frequencies of a study to the canonical blocks that
+cover them.
+"""
+
+import math
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railvib import bands, blocks, library
+from railvib.errors import PlausibilityWarning
+from railvib.forces import axle_distances
+from railvib.ground import Ground
+from railvib.moving_roughness import LineIntegrals, line_integrals
+from railvib.plausibility import check_speed
+from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
+from railvib.spectra import Spectra, highest_excitation, line_step, lines, spectra
+from railvib.tabulation import MOST_LEVELS, largest_wavenumber, transfer_blocks
+from railvib.track import Track
+from railvib.train_average import TrainIntegrals, train_integrals
+from railvib.transfer import TransferBlock, TransferFunction
+from railvib.unevenness import Unevenness
+from railvib.vehicle import Train
+from sweep import identity
+from sweep.identity import Canonical
+from sweep.kinds import AccuracyWarning, Inputs, Kind, Load, Unit
+from sweep.study import KMH, Case, Resolved
+
+RAIL = "rail"
+STANDING = 0.0
+REMEMBERED = 4096
+"""Units that planning keeps at hand, as many cases share them."""
+FLOAT, COMPLEX = 8, 16
+"""Bytes of a number."""
+
+
+def spectra_unit(resolved: Resolved, case: Case, approach: str) -> Unit:
+    """Return the unit of one case by one approach."""
+    study = resolved.study
+    return Unit.of(
+        "spectra",
+        approach=approach,
+        ground=resolved.canonical["soil"][case.soil],
+        track=resolved.canonical["track"][case.track],
+        train=resolved.canonical["train"][case.train],
+        unevenness=resolved.canonical["unevenness"][case.unevenness],
+        speed=case.speed_kmh / KMH,
+        band=bands.midbands(study.frequency.minimum_hz, study.frequency.maximum_hz).tolist(),
+        receivers=([RAIL] if study.receivers.rail else []) + sorted(set(study.receivers.offsets_m)),
+        # A full pass-by is one thing: only the moving roughness can be averaged over the train as well.
+        averaging=["line"] if approach == "full" else sorted(set(study.approaches.averaging)),
+        tolerance=study.accuracy.tolerance,
+    )
+
+
+@lru_cache(REMEMBERED)
+def _transfer_units(
+    ground: Canonical, track: Canonical, tolerance: float, receiver: str | float, which: range
+) -> tuple[Unit, ...]:
+    """Return the units of one receiver's transfer function over some blocks."""
+    return tuple(
+        Unit.of("transfer", ground=ground, track=track, block=block, receiver=receiver, tolerance=tolerance)
+        for block in reversed(which)  # the highest first: it takes longest
+    )
+
+
+@lru_cache(REMEMBERED)
+def _receptance_units(
+    ground: Canonical, track: Canonical, tolerance: float, train: Canonical, speed: float, which: range
+) -> tuple[Unit, ...]:
+    """Return the units of the rail's receptances at a speed over some blocks, for the axles of a train."""
+    return tuple(
+        Unit.of(
+            "receptance",
+            ground=ground,
+            track=track,
+            speed=speed,
+            distances=_axles(train).distances,
+            block=block,
+            tolerance=tolerance,
+        )
+        for block in reversed(which)  # the highest first: it takes longest
+    )
+
+
+def _line_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
+    """Return the unit of one receiver's line integrals on the narrow-band lines of a case."""
+    axles = _axles(inputs["train"])
+    return _integral_unit(
+        "line_integrals",
+        inputs["ground"],
+        inputs["track"],
+        inputs["tolerance"],
+        receiver,
+        inputs["band"],
+        line_step(axles.train_length, inputs["speed"]),
+        distances=tuple(each for each in axles.distances if each >= 0.0),
+    )
+
+
+def _train_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
+    """Return the unit of one receiver's integrals over the train on the narrow-band lines of a case."""
+    axles = _axles(inputs["train"])
+    return _integral_unit(
+        "train_integrals",
+        inputs["ground"],
+        inputs["track"],
+        inputs["tolerance"],
+        receiver,
+        inputs["band"],
+        line_step(axles.train_length, inputs["speed"]),
+        axle_position=axles.position,
+    )
+
+
+@lru_cache(REMEMBERED)
+def _integral_unit(
+    kind: str,
+    ground: Canonical,
+    track: Canonical,
+    tolerance: float,
+    receiver: str | float,
+    band: tuple[float, ...],
+    step: float,
+    **axles: tuple[float, ...],
+) -> Unit:
+    return Unit.of(
+        kind,
+        ground=ground,
+        track=track,
+        tolerance=tolerance,
+        receiver=receiver,
+        band=band,
+        step=step,
+        **axles,
+    )
+
+
+class _Axles(NamedTuple):
+    """What the units of a train depend on: lengths in m, positions from the last axle."""
+
+    train_length: float
+    position: tuple[float, ...]
+    distances: tuple[float, ...]
+
+
+@lru_cache(REMEMBERED)
+def _axles(train: Canonical) -> _Axles:
+    made = Train(**train)
+    position = np.round(made.axle_positions - made.axle_positions[0], 9)
+    return _Axles(made.length, tuple(position.tolist()), tuple(axle_distances(made).tolist()))
+
+
+@lru_cache(REMEMBERED)
+def _covering(band: tuple[float, ...]) -> range:
+    """Return the blocks that cover one-third octaves; lines just beyond the last edge lie in its halo."""
+    lower, upper = bands.edges(band)
+    return blocks.covering(float(lower[0]), float(upper[-1]))
+
+
+def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TransferBlock]]:
+    first = units[0].inputs
+    made = transfer_blocks(
+        Ground(**first["ground"]),
+        Track(**first["track"]),
+        int(first["block"]),
+        [unit.inputs["receiver"] for unit in units],
+        first["tolerance"],
+    )
+    for unit in units:
+        table = made[unit.inputs["receiver"]]
+        if not table.interpolation_error <= first["tolerance"]:
+            low, high = blocks.edges(table.block)
+            warnings.warn(
+                f"transfer function of {_name(unit.inputs['receiver'])} from {low:.3g} to {high:.3g} Hz: "
+                f"error {table.interpolation_error:.1e} is above the tolerance {first['tolerance']:g}",
+                AccuracyWarning,
+                stacklevel=1,
+            )
+    yield {unit: made[unit.inputs["receiver"]] for unit in units}
+
+
+def _name(receiver: str | float) -> str:
+    return "the rail" if receiver == RAIL else f"the ground at {receiver:g} m"
+
+
+def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
+    block = int(inputs["block"])
+    halo = float(blocks.frequency(0, blocks.indices(block, 0)[-1]))
+    highest = highest_tabulated_frequency(Track(**inputs["track"]), halo, inputs["speed"])
+    return _transfer_units(
+        inputs["ground"], inputs["track"], inputs["tolerance"], RAIL, blocks.up_to(highest)
+    )
+
+
+def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, ReceptanceBlock]]:
+    for unit in units:
+        inputs = unit.inputs
+        rail = TransferFunction([load(need) for need in _receptance_needs(inputs)])
+        yield {
+            unit: receptance_block(
+                rail,
+                Track(**inputs["track"]),
+                inputs["speed"],
+                inputs["distances"],
+                int(inputs["block"]),
+                inputs["tolerance"],
+            )
+        }
+
+
+def _receiver_units(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
+    """Return the units of one receiver's transfer function that cover a unit's one-third octaves."""
+    return _transfer_units(
+        inputs["ground"], inputs["track"], inputs["tolerance"], receiver, _covering(inputs["band"])
+    )
+
+
+def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
+    return _receiver_units(inputs, inputs["receiver"])
+
+
+def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegrals]]:
+    for unit in units:
+        inputs = unit.inputs
+        receiver = TransferFunction([load(need) for need in _integral_needs(inputs)])
+        yield {unit: line_integrals(receiver, inputs["distances"], _lines(inputs))}
+
+
+def _train_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TrainIntegrals]]:
+    for unit in units:
+        inputs = unit.inputs
+        receiver = TransferFunction([load(need) for need in _integral_needs(inputs)])
+        yield {unit: train_integrals(receiver, np.asarray(inputs["axle_position"]), _lines(inputs))}
+
+
+def _lines(inputs: Inputs) -> NDArray[np.float64]:
+    """Return the narrow-band lines of a unit that states their step."""
+    return lines(np.asarray(inputs["band"]), inputs["step"])
+
+
+def _excited_up_to(inputs: Inputs) -> float:
+    """Return the highest frequency of excitation that a full model counts, Hz."""
+    return highest_excitation(
+        np.asarray(inputs["band"]), largest_wavenumber(Track(**inputs["track"])), inputs["speed"]
+    )
+
+
+def _spectra_rail(inputs: Inputs) -> tuple[Unit, ...]:
+    """Return the receptances that an approach rests on: moving for the full model, else standing."""
+    if inputs["approach"] == "full":
+        speed, which = inputs["speed"], blocks.up_to(_excited_up_to(inputs))
+    else:
+        speed, which = STANDING, _covering(inputs["band"])
+    return _receptance_units(
+        inputs["ground"], inputs["track"], inputs["tolerance"], inputs["train"], speed, which
+    )
+
+
+def _spectra_needs(inputs: Inputs) -> list[Unit]:
+    needs = [*_spectra_rail(inputs)]
+    for receiver in inputs["receivers"]:
+        needs += _receiver_units(inputs, receiver)
+    if inputs["approach"] != "full":
+        needs += [_line_integral_unit(inputs, receiver) for receiver in inputs["receivers"]]
+    if "train" in inputs["averaging"]:
+        needs += [_train_integral_unit(inputs, receiver) for receiver in inputs["receivers"]]
+    return needs
+
+
+def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectra]]:
+    for unit in units:
+        inputs = unit.inputs
+        full = inputs["approach"] == "full"
+        receivers = inputs["receivers"]
+        yield {
+            unit: spectra(
+                inputs["approach"],
+                Train(**inputs["train"]),
+                Unevenness(**inputs["unevenness"]),
+                inputs["speed"],
+                np.asarray(inputs["band"]),
+                Receptances([load(need) for need in _spectra_rail(inputs)]),
+                {
+                    receiver: TransferFunction([load(need) for need in _receiver_units(inputs, receiver)])
+                    for receiver in receivers
+                },
+                None if full else {each: load(_line_integral_unit(inputs, each)) for each in receivers},
+                _excited_up_to(inputs) if full else None,
+                {each: load(_train_integral_unit(inputs, each)) for each in receivers}
+                if "train" in inputs["averaging"]
+                else None,
+            )
+        }
+
+
+def _together(*names: str) -> Callable[[Inputs], str]:
+    """Return the function that puts units into one task which agree in the inputs of these names."""
+    return lambda inputs: identity.digest({name: inputs[name] for name in names})
+
+
+def _waves(inputs: Inputs) -> float:
+    """Return how many wavelengths lie between track and receiver at a block's highest frequency, at most."""
+    distance = 0.0 if inputs["receiver"] == RAIL else inputs["receiver"]
+    highest = float(blocks.edges(int(inputs["block"]))[1])
+    return distance * highest / Ground(**inputs["ground"]).slowest_speed
+
+
+def _transfer_bytes(inputs: Inputs) -> int:
+    """Estimate a table: frequencies of the level that so many waves take, by nodes."""
+    waves = _waves(inputs)
+    level = min(max(math.ceil(math.log2(max(waves, 1.0) / 4.0)), 0), MOST_LEVELS)
+    rows = blocks.indices(int(inputs["block"]), level).size
+    nodes = 400 + 10 * waves
+    return int(rows * nodes * (COMPLEX + FLOAT))
+
+
+def _receptance_bytes(inputs: Inputs) -> int:
+    rows = blocks.indices(int(inputs["block"]), 1).size
+    return rows * (len(inputs["distances"]) * COMPLEX + 2 * 400 * (COMPLEX + FLOAT))
+
+
+def _line_integral_bytes(inputs: Inputs) -> int:
+    return _lines(inputs).size * len(inputs["distances"]) * FLOAT
+
+
+def _train_integral_bytes(inputs: Inputs) -> int:
+    return _lines(inputs).size * len(inputs["axle_position"]) ** 2 * COMPLEX
+
+
+def _spectra_bytes(inputs: Inputs) -> int:
+    axles = _axles(inputs["train"])
+    series = len(axles.position) + 3 * len(inputs["receivers"]) * len(inputs["averaging"])
+    return series * (_line_count(inputs) + len(inputs["band"])) * FLOAT
+
+
+def _line_count(inputs: Inputs) -> int:
+    step = line_step(_axles(inputs["train"]).train_length, inputs["speed"])
+    return lines(np.asarray(inputs["band"]), step).size
+
+
+def _spectra_memory(inputs: Inputs) -> int:
+    """Estimate what the tables of all receivers and the matrices of all lines take."""
+    tables = sum(_transfer_bytes(unit.inputs) for unit in _spectra_needs(inputs) if unit.kind == "transfer")
+    axles = len(_axles(inputs["train"]).position)
+    return 2 * tables + 6 * _line_count(inputs) * axles**2 * COMPLEX
+
+
+KINDS: dict[str, Kind] = {
+    "transfer": Kind(
+        result=TransferBlock,
+        scope=lambda inputs: "ground",
+        needs=lambda inputs: (),
+        together=_together("ground", "track", "block", "tolerance"),
+        compute=_transfer,
+        size=_transfer_bytes,
+        memory=lambda inputs: 8 * _transfer_bytes(inputs),
+    ),
+    "receptance": Kind(
+        result=ReceptanceBlock,
+        scope=lambda inputs: "speed" if inputs["speed"] else "ground",
+        needs=_receptance_needs,
+        together=_together("ground", "track", "speed", "distances", "tolerance"),
+        compute=_receptance,
+        size=_receptance_bytes,
+        memory=lambda inputs: 8 * _receptance_bytes(inputs),
+    ),
+    "line_integrals": Kind(
+        result=LineIntegrals,
+        scope=lambda inputs: "ground",
+        needs=_integral_needs,
+        together=_together("ground", "track", "receiver", "distances", "step", "band", "tolerance"),
+        compute=_line_integrals,
+        size=_line_integral_bytes,
+        memory=lambda inputs: 4 * _line_integral_bytes(inputs),
+    ),
+    "train_integrals": Kind(
+        result=TrainIntegrals,
+        scope=lambda inputs: "ground",
+        needs=_integral_needs,
+        together=_together("ground", "track", "receiver", "axle_position", "step", "band", "tolerance"),
+        compute=_train_integrals,
+        size=_train_integral_bytes,
+        memory=lambda inputs: 2 * _train_integral_bytes(inputs),
+    ),
+    "spectra": Kind(
+        result=Spectra,
+        scope=lambda inputs: "case",
+        needs=_spectra_needs,
+        together=identity.digest,
+        compute=_spectra,
+        size=_spectra_bytes,
+        memory=_spectra_memory,
+    ),
+}
+
+
+def check_speeds(resolved: Resolved) -> None:
+    """Warn where the fastest train of the study outruns waves in ground and track.
+
+    Warns
+    -----
+    PlausibilityWarning
+        With the speeds.
+    """
+    study = resolved.study
+    fastest = max(study.sweep.speed_kmh) / KMH
+    for name, ground in resolved.objects["soil"].items():
+        for other, track in resolved.objects["track"].items():
+            assert isinstance(ground, Ground)
+            assert isinstance(track, Track)
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", PlausibilityWarning)
+                check_speed(ground, track, fastest, study.frequency.maximum_hz)
+            for each in caught:
+                warnings.warn(f"{name}, {other}: {each.message}", PlausibilityWarning, stacklevel=2)
+
+
+def unevenness_bands(resolved: Resolved) -> dict[str, list[dict[str, float]]]:
+    """Return the one-third octaves over wavelength of every unevenness, as far as the study excites them."""
+    study = resolved.study
+    speeds = [speed / KMH for speed in study.sweep.speed_kmh]
+    shortest, longest = min(speeds) / study.frequency.maximum_hz, max(speeds) / study.frequency.minimum_hz
+    return {
+        name: [
+            {
+                "wavelength_m": float(wavelength),
+                "mean_square_m2": float(mean_square),
+                "extrapolated_share": float(share),
+            }
+            for wavelength, mean_square, share in zip(
+                *unevenness.third_octaves(shortest, longest), strict=True
+            )
+        ]
+        for name, unevenness in resolved.objects["unevenness"].items()
+        if isinstance(unevenness, Unevenness)
+    }
+
+
+@cache
+def warm_up() -> None:
+    """Compile every kernel, or load it where that has been done: a small case, kept nowhere."""
+    results: dict[Unit, Any] = {}
+
+    def load(unit: Unit) -> Any:
+        if unit not in results:
+            results.update(next(KINDS[unit.kind].compute([unit], load)))
+        return results[unit]
+
+    for approach in ("moving-roughness", "full"):
+        load(
+            Unit.of(
+                "spectra",
+                approach=approach,
+                ground=library.load("soil", "horstwalde"),
+                track=library.load("track", "ballasted-paper"),
+                train=Train(vehicles=(library.load("vehicle", "regina"),)),
+                unevenness=library.load("unevenness", "german-low"),
+                speed=1.0,
+                band=[0.1],
+                receivers=[RAIL, 8.0],
+                averaging=["line"],
+                tolerance=1e-2,
+            )
+        )

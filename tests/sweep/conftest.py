@@ -1,0 +1,15 @@
+import pytest
+
+from tests.sweep.small import STUDY, invoke
+
+
+@pytest.fixture(scope="session")
+def computed(tmp_path_factory):
+    """Return a directory with the small study and, as `out`, its run in this process."""
+    folder = tmp_path_factory.mktemp("computed")
+    (folder / "small.toml").write_text(STUDY, encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sweep.cli.AFTER_RUN", "none")
+        result = invoke("run", folder / "small.toml", "--out", folder / "out", "--workers", 0)
+    assert result.exit_code == 0, result.output
+    return folder

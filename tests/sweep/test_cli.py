@@ -1,0 +1,235 @@
+"""The commands as a user calls them, on small studies of the real physics."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from sweep import records, store
+from tests.sweep.small import STUDY, invoke
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Return an empty directory to work in, where railvib publishes nothing after a run."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
+    return tmp_path
+
+
+def changed(here, *replacements):
+    text = STUDY
+    for old, new in replacements:
+        assert old in text
+        text = text.replace(old, new)
+    (here / "small.toml").write_text(text, encoding="utf-8")
+
+
+def test_a_run_leaves_manifest_records_store_and_log(computed):
+    manifest = records.Run.load(computed / "out")
+    assert manifest["exit_status"] == 0
+    assert manifest["study_name"] == "small"
+    (case,) = manifest["cases"]
+    assert case["units"].keys() == {"moving-roughness", "full"}
+    needed = {unit["unit_id"]: unit["scope"] for units in case["units"].values() for unit in units}
+    assert needed.keys() == records.present(computed / "out")
+    scopes = {record["kind"]: set() for record in records.committed(computed / "out")}
+    for record in records.committed(computed / "out"):
+        scopes[record["kind"]].add(needed[record["unit_id"]])
+        assert record["run_id"] == manifest["run_id"]
+    assert scopes == {
+        "transfer": {"ground"},
+        "receptance": {"ground", "speed"},
+        "line_integrals": {"ground"},
+        "spectra": {"case"},
+    }
+    lines = [json.loads(line) for line in (computed / "out" / "log.jsonl").read_text().splitlines()]
+    assert [line["event"] for line in lines][:: len(lines) - 1] == ["planned", "finished"]
+    assert {line["run_id"] for line in lines} == {manifest["run_id"]}
+    assert [line["cases"] for line in lines if line.get("task", "").startswith("spectra")] == [
+        [case["case_id"]]
+    ] * 2
+    assert len(manifest["unevenness_bands"]["german-low"]) > 1
+
+
+def test_spectra_can_be_read(computed):
+    for record in records.committed(computed / "out", "spectra"):
+        arrays, attributes = store.read_arrays(computed / "out", record["group"])
+        assert arrays["mean_square"].shape == (len(attributes["receiver"]), arrays["band"].size)
+        assert arrays["mean_square"].min() > 0.0
+        assert attributes["receiver"][-1] == "ground"
+
+
+def test_asking_twice_computes_nothing(computed):
+    before = {path: path.stat().st_mtime_ns for path in (computed / "out").rglob("*.json")}
+    result = invoke("run", computed / "small.toml", "--out", computed / "out")
+    assert result.exit_code == 0
+    assert "0 tasks to run" in result.output
+    assert {path: path.stat().st_mtime_ns for path in (computed / "out").rglob("*.json")} == before
+
+
+def test_status_and_plan_of_a_finished_run(computed):
+    status = invoke("status", computed / "out").output
+    assert "1 of 1 complete" in status
+    assert "exit status 0" in status
+    plan = invoke("plan", computed / "small.toml", "--out", computed / "out").output
+    assert "none: everything is there" in plan
+
+
+def test_plan_writes_nothing(here):
+    result = invoke("plan", "small.toml")
+    assert result.exit_code == 0
+    assert "cases       1 (1 soils" in result.output
+    assert "2 spectra" in result.output
+    assert "to write" in result.output
+    assert os.listdir(here) == ["small.toml"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("speed_kmh = [30]", "speed_kmh = [0]", "sweep.speed_kmh[0] = 0 km/h"),
+        ("speed_kmh = [30]", "speed_kmh = [nan]", "sweep.speed_kmh[0] = nan km/h"),
+        ('soil = ["horstwalde"]', 'soil = ["horstwald"]', "nearest known is 'horstwalde'"),
+        ('soil = ["horstwalde"]', "soil = []", "sweep.soil = []"),
+        ("minimum_hz = 4.0", "minimum_hz = 9.0", "must be below maximum_hz"),
+        ("offsets_m = [8]", "offsets_m = [-8]", "receivers.offsets_m[0] = -8 m"),
+        ("offsets_m", "ofsets_m", "did you mean offsets_m?"),
+        ("[accuracy]", "[accuracy", "not valid TOML"),
+    ],
+)
+@pytest.mark.parametrize("command", ["run", "plan"])
+def test_a_wrong_request_exits_with_2_and_writes_nothing(here, command, old, new, message):
+    changed(here, (old, new))
+    result = invoke(command, "small.toml")
+    assert result.exit_code == 2
+    assert message in result.output
+    assert result.output.count("\n") == 1
+    assert os.listdir(here) == ["small.toml"]
+
+
+def test_the_directory_of_another_study_is_refused(here, computed):
+    changed(here, ('name = "small"', 'name = "other"'))
+    before = sorted((computed / "out").iterdir())
+    result = invoke("run", "small.toml", "--out", computed / "out")
+    assert result.exit_code == 2
+    assert "is of the study 'small'" in result.output
+    assert sorted((computed / "out").iterdir()) == before
+
+
+def test_a_directory_of_something_else_is_refused(here):
+    result = invoke("run", "small.toml", "--out", ".")
+    assert result.exit_code == 2
+    assert "holds something else" in result.output
+    assert os.listdir(here) == ["small.toml"]
+
+
+def test_another_speed_leaves_the_ground_alone(here, computed):
+    changed(here, ("speed_kmh = [30]", "speed_kmh = [30, 36]"))
+    result = invoke("plan", "small.toml", "--out", computed / "out")
+    (line,) = [line for line in result.output.splitlines() if line.startswith("tasks")]
+    assert "line_integrals" not in line
+    assert "2 spectra" in line
+
+
+def test_a_failed_task_is_told_and_resumed(here, monkeypatch):
+    from sweep import units
+
+    monkeypatch.setattr(units, "line_integrals", lambda *_: 1 / 0)
+    result = invoke("run", "small.toml", "--workers", 0)
+    assert result.exit_code == 1
+    assert "ZeroDivisionError: division by zero" in result.output
+    status = invoke("status", "runs/small")
+    assert status.exit_code == 0
+    assert "0 of 1 complete" in status.output
+    assert "ZeroDivisionError" in status.output
+    assert len(list(records.committed(here / "runs" / "small", "spectra"))) == 1  # the full model needs none
+    monkeypatch.undo()
+    monkeypatch.chdir(here)
+    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    assert invoke("resume", "runs/small", "--workers", 0).exit_code == 0
+    assert "1 of 1 complete" in invoke("status", "runs/small").output
+    assert list(records.failed(here / "runs" / "small")) == []
+
+
+def test_damage_is_repaired_within_a_run(here):
+    assert invoke("run", "small.toml", "--workers", 0).exit_code == 0
+    out = here / "runs" / "small"
+    first = next(records.committed(out, "transfer"))
+    (out / store.STORE / first["group"] / "transfer" / "c" / "0" / "0").unlink()
+    for record in records.committed(out, "spectra"):
+        records.withdraw(out, "spectra", record["unit_id"])
+    for kind in ("line_integrals", "receptance"):
+        for record in records.committed(out, kind):
+            records.withdraw(out, kind, record["unit_id"])
+    from sweep import task
+
+    task._cache = task.Cache(task.CACHE_BYTES)
+    result = invoke("resume", "runs/small", "--workers", 0)
+    assert result.exit_code == 0, result.output
+    again = records.find(out, "transfer", first["unit_id"])
+    assert again["arrays"] == first["arrays"]
+
+
+def test_no_run_to_resume(here):
+    for command in ("status", "resume"):
+        result = invoke(command, "nowhere")
+        assert result.exit_code == 2
+        assert "holds no run" in result.output
+
+
+def alive(group):
+    """Return the processes of a group that are more than an entry in the system's table."""
+    living = []
+    for process in psutil.process_iter():
+        with contextlib.suppress(ProcessLookupError, psutil.Error):
+            if os.getpgid(process.pid) == group and process.status() != psutil.STATUS_ZOMBIE:
+                living.append(process.cmdline())
+    return living
+
+
+@pytest.mark.slow
+def test_ctrl_c_stops_cleanly(here):
+    changed(
+        here,
+        ('soil = ["horstwalde"]', 'soil = ["horstwalde", "greby"]'),
+        ("[8]", "[8, 32, 100]"),
+        ("8.0", "80.0"),
+    )
+    command = [
+        sys.executable,
+        "-c",
+        "from railvib.cli import main; main()",
+        "run",
+        "small.toml",
+        "--workers",
+        "2",
+    ]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        command, cwd=here, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        deadline = time.monotonic() + 60.0
+        while not list((here / "runs").rglob("records/transfer/*.json")) and time.monotonic() < deadline:
+            time.sleep(0.1)
+        os.killpg(process.pid, signal.SIGINT)  # what a terminal does: to every process of the group
+        _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "railvib resume runs/small" in errors
+    assert "Traceback" not in errors
+    deadline = time.monotonic() + 10.0
+    while alive(process.pid) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert not alive(process.pid)
+    assert records.Run.load(here / "runs" / "small")["exit_status"] == 130
+    assert len(records.present(here / "runs" / "small")) > 0

@@ -1,0 +1,159 @@
+import os
+import signal
+import threading
+import time
+from collections import Counter
+
+import numpy as np
+import psutil
+import pytest
+
+from sweep import cluster, engine, plan, records, store
+from sweep.task import Place
+from tests.sweep import toy
+
+
+def run(directory, wanted, crew, attempt=1):
+    made = plan.make(wanted, toy.KINDS, records.present(directory))
+    place = Place(str(directory), "run-1", toy.__name__, attempt)
+    return engine.run(made, place, crew, lambda task, outcome, tally: None)
+
+
+def value(directory, unit):
+    record = records.find(directory, unit.kind, unit.id)
+    return store.read(directory / store.STORE, record["group"], toy.Numbers, record["arrays"]).value
+
+
+def starts(folder):
+    return Counter(name.partition("-")[0] for name in os.listdir(folder))
+
+
+@pytest.fixture
+def marks(tmp_path):
+    folder = tmp_path / "marks"
+    folder.mkdir()
+    return str(folder)
+
+
+def test_results_records_and_costs(tmp_path):
+    wanted = toy.total(1, 2, 5)
+    tally = run(tmp_path, [wanted], engine.ThisProcess())
+    assert (tally.done, tally.failed, tally.skipped) == (4, 0, 0)
+    np.testing.assert_array_equal(value(tmp_path, wanted), [1 + 4 + 25, 4 + 9 + 36, 9 + 16 + 49])
+    record = records.find(tmp_path, "square", toy.square(2).id)
+    assert record["inputs"] == {"number": 2.0}
+    assert record["group"] == f"square/{record['unit_id']}"
+    assert record["status"] == "done"
+    stages = {cost["stage"]: cost for cost in record["costs"]}
+    assert {"square", "store"} <= stages.keys() <= {"square", "other", "store"}
+    assert stages["square"]["evaluations"] == 3
+    assert stages["store"]["bytes_written"] > 24
+    assert all(cost["peak_rss_bytes"] > 2**20 for cost in stages.values())
+    assert {cost["stage"] for cost in records.find(tmp_path, "total", wanted.id)["costs"]} >= {
+        "load",
+        "store",
+    }
+
+
+def test_asking_twice_computes_nothing(tmp_path, marks):
+    wanted = [toy.total(1, 2, marks=marks), toy.total(2, 3, marks=marks)]
+    run(tmp_path, wanted, engine.ThisProcess())
+    before = starts(marks)
+    tally = run(tmp_path, wanted, engine.ThisProcess())
+    assert tally.total == 0
+    assert starts(marks) == before == {"1.0": 1, "2.0": 1, "3.0": 1, "total": 2}
+
+
+def test_more_is_added_to_what_is_there(tmp_path, marks):
+    run(tmp_path, [toy.total(1, 2, marks=marks)], engine.ThisProcess())
+    run(tmp_path, [toy.total(1, 2, marks=marks), toy.total(1, 2, 7, marks=marks)], engine.ThisProcess())
+    assert starts(marks) == {"1.0": 1, "2.0": 1, "7.0": 1, "total": 2}
+
+
+def test_a_task_that_finds_its_record_computes_nothing(tmp_path, marks):
+    wanted = [toy.square(1, marks=marks)]
+    made = plan.make(wanted, toy.KINDS, set())
+    place = Place(str(tmp_path), "run-1", toy.__name__)
+    for _ in range(2):
+        engine.run(made, place, engine.ThisProcess(), lambda *_: None)
+    assert starts(marks) == {"1.0": 1}
+
+
+def test_a_failure_stays_alone(tmp_path):
+    poisons = {"3.0": "raise"}
+    wanted = [toy.total(*numbers, poisons=poisons) for numbers in [(0, 5), (3, 5), (5, 7), (3, 7)]]
+    tally = run(tmp_path, wanted, engine.ThisProcess())
+    assert (tally.failed, tally.skipped) == (1, 2)
+    assert [message for _, message in tally.failures] == ["ValueError: cannot square 3.0"]
+    (failure,) = records.failed(tmp_path)
+    assert failure["status"] == "failed"
+    assert failure["traceback"].endswith("ValueError: cannot square 3.0\n")
+    assert {wanted[0].id, wanted[2].id} <= records.present(tmp_path)
+
+
+def test_damage_is_found_on_use_and_made_good(tmp_path):
+    part = toy.square(1)
+    run(tmp_path, [part], engine.ThisProcess())
+    chunk = tmp_path / store.STORE / part.group / "value" / "c" / "0"
+    chunk.unlink()
+    tally = run(tmp_path, [toy.total(1, 2)], engine.ThisProcess())
+    assert tally.failed == 1
+    assert "square" in tally.failures[0][1]
+    assert run(tmp_path, [toy.total(1, 2)], engine.ThisProcess()).failed == 0
+    np.testing.assert_array_equal(value(tmp_path, part), [1, 4, 9])
+
+
+def test_workers_compute_the_same(tmp_path):
+    wanted = [toy.total(number, number + 1, number + 2) for number in range(12)]
+    with cluster.local(2, toy.__name__) as crew:
+        assert crew.size == 2
+        tally = run(tmp_path / "two", wanted, crew)
+    run(tmp_path / "one", wanted, engine.ThisProcess())
+    assert (tally.failed, tally.skipped, tally.done) == (0, 0, tally.total)
+    assert psutil.Process().children(recursive=True) == [] or not any(
+        "dask" in " ".join(child.cmdline()) for child in psutil.Process().children(recursive=True)
+    )
+    sums = {
+        where: {record["unit_id"]: record["arrays"] for record in records.committed(tmp_path / where)}
+        for where in ("one", "two")
+    }
+    assert sums["one"] == sums["two"]
+    workers = {record["worker"] for record in records.committed(tmp_path / "two")}
+    assert len(workers) == 2
+
+
+def test_a_task_that_kills_its_worker_fails_alone(tmp_path):
+    wanted = [toy.total(number, number + 1, poisons={"9.0": "kill"}) for number in range(16)]
+    with cluster.local(2, toy.__name__) as crew:
+        tally = run(tmp_path, wanted, crew)
+    assert (tally.failed, tally.skipped) == (1, 3)
+    assert all(error == engine.LOST for _, error in tally.failures)
+    assert len(list(records.committed(tmp_path, "total"))) == 13
+    assert {failure["kind"] for failure in records.failed(tmp_path)} == {"square"}
+
+
+def test_killed_workers_lose_nothing(tmp_path, marks):
+    wanted = [toy.total(number, number + 2, marks=marks, sleep=0.02) for number in range(60)]
+    stop = threading.Event()
+
+    def kill():
+        for _ in range(3):
+            time.sleep(0.5)
+            workers = [
+                child
+                for child in psutil.Process().children(recursive=True)
+                if "spawn_main" in " ".join(child.cmdline())
+            ]
+            if workers and not stop.is_set():
+                os.kill(workers[0].pid, signal.SIGKILL)
+
+    with cluster.local(2, toy.__name__) as crew:
+        thread = threading.Thread(target=kill)
+        thread.start()
+        tally = run(tmp_path, wanted, crew)
+        stop.set()
+        thread.join()
+    assert (tally.failed, tally.skipped) == (0, 0)
+    assert {unit.id for unit in wanted} <= records.present(tmp_path)
+    counted = Counter(record["unit_id"] for record in records.committed(tmp_path))
+    assert set(counted.values()) == {1}

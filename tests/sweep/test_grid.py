@@ -1,0 +1,52 @@
+import dask.array
+import numpy as np
+import pytest
+
+import sweep
+from railvib import blocks
+from sweep import records, store
+
+
+@pytest.fixture(scope="module")
+def grid(computed):
+    return sweep.open_grid(computed / "out")
+
+
+def test_the_grid_is_lazy_and_named(grid):
+    assert grid.transfer.dims == ("soil", "track", "receiver", "frequency", "node")
+    assert grid.rail_moving.dims == ("soil", "track", "speed_kmh", "frequency", "moving_node")
+    assert isinstance(grid.transfer.data, dask.array.Array)
+    assert grid.speed_kmh.values.tolist() == [0.0, 30.0]
+    assert grid.receiver.values.tolist() == ["rail", "8.0"]
+    assert grid.offset_m.values[1] == 8.0
+    assert np.all(np.diff(grid.frequency.values) > 0.0)
+
+
+def inside(arrays, block):
+    low, high = blocks.edges(block)
+    return (arrays["frequency"] > low * (1 - 1e-9)) & (arrays["frequency"] < high * (1 - 1e-9))
+
+
+def test_the_grid_holds_what_is_stored(computed, grid):
+    column = grid.sel(soil="horstwalde", track="ballasted-paper").compute()
+    for record in records.committed(computed / "out", "transfer"):
+        arrays, _ = store.read_arrays(computed / "out", record["group"])
+        kept = inside(arrays, record["inputs"]["block"])
+        count = arrays["wavenumber"].shape[1]
+        here = column.sel(receiver=str(record["inputs"]["receiver"]), frequency=arrays["frequency"][kept])
+        np.testing.assert_array_equal(here.transfer.values[:, :count], arrays["transfer"][kept])
+        np.testing.assert_array_equal(here.wavenumber.values[:, :count], arrays["wavenumber"][kept])
+        assert np.isnan(here.transfer.values[:, count:]).all()
+
+
+def test_it_holds_nothing_else(computed, grid):
+    rows = sum(
+        inside(store.read_arrays(computed / "out", record["group"])[0], record["inputs"]["block"]).sum()
+        for record in records.committed(computed / "out", "transfer")
+    )
+    assert np.isfinite(grid.wavenumber.isel(node=0).values).sum() == rows
+
+
+def test_no_run_no_grid(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        sweep.open_grid(tmp_path)

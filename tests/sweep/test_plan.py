@@ -1,0 +1,78 @@
+import dataclasses
+
+import pytest
+
+from sweep import plan
+from tests.sweep import toy
+
+
+def positions(made):
+    return {unit.id: index for index, task in enumerate(made.tasks.values()) for unit in task.units}
+
+
+def test_everything_is_missing_at_first():
+    wanted = [toy.total(1, 2), toy.total(2, 3)]
+    made = plan.make(wanted, toy.KINDS, set())
+    assert made.missing == made.units.keys()
+    assert len(made.units) == 5
+    assert sorted(len(task.units) for task in made.tasks.values()) == [
+        1,
+        1,
+        1,
+        2,
+    ]  # 2 and 3 are computed together
+
+
+def test_a_task_stands_after_those_it_needs():
+    made = plan.make([toy.total(*range(start, start + 5)) for start in range(7)], toy.KINDS, set())
+    seen = set()
+    for task in made.tasks.values():
+        assert task.after <= seen
+        seen.add(task.key)
+    assert seen == made.tasks.keys()
+
+
+def test_what_is_there_is_not_planned():
+    wanted = toy.total(1, 2, 3)
+    made = plan.make([wanted], toy.KINDS, {toy.square(2).id})
+    assert made.missing == {wanted.id, toy.square(1).id, toy.square(3).id}
+
+
+def test_what_only_a_finished_unit_needs_is_not_planned():
+    done, missing = toy.total(1, 2), toy.total(2, 3)
+    made = plan.make([done, missing], toy.KINDS, {done.id})
+    assert made.missing == {missing.id, toy.square(2).id, toy.square(3).id}
+
+
+def test_nothing_is_planned_when_all_is_there():
+    wanted = [toy.total(1, 2), toy.total(2, 3)]
+    assert plan.make(wanted, toy.KINDS, {unit.id for unit in wanted}).tasks == {}
+
+
+def test_the_closure_names_all_that_a_unit_rests_on():
+    wanted = toy.total(1, 2)
+    made = plan.make([wanted], toy.KINDS, {wanted.id})
+    assert set(made.closure[wanted.id]) == {wanted.id, toy.square(1).id, toy.square(2).id}
+    assert made.closure[wanted.id][-1] == wanted.id
+
+
+def test_the_same_request_makes_the_same_tasks():
+    one, other = ([toy.total(1, 2), toy.total(3, 4)] for _ in range(2))
+    assert plan.make(one, toy.KINDS, set()).tasks.keys() == plan.make(other, toy.KINDS, set()).tasks.keys()
+
+
+def test_keys_have_the_form_that_dask_groups_by():
+    from dask.utils import key_split
+
+    made = plan.make([toy.total(1, 2), toy.total(3, 4)], toy.KINDS, set())
+    assert {key_split(key) for key in made.tasks} == {"square", "total"}
+
+
+def test_tasks_that_wait_for_each_other_are_an_error():
+    square = dataclasses.replace(
+        toy.KINDS["square"],
+        together=lambda inputs: 1,  # 1 and 2 in one task, which then needs one that needs it
+        needs=lambda inputs: [toy.total(2)] if inputs["number"] == 1 else [],
+    )
+    with pytest.raises(ValueError, match="wait for each other"):
+        plan.make([toy.total(1)], toy.KINDS | {"square": square}, set())

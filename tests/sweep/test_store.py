@@ -1,0 +1,152 @@
+import dataclasses
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+import xarray
+import zarr
+
+from sweep import store
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency"})
+    transfer: np.ndarray = field(
+        metadata={"dims": ("frequency", "node"), "unit": "m2/N", "description": "transfer"}
+    )
+    count: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "1"})
+    constant: complex = field(metadata={"dims": (), "unit": "m"})
+    label: str
+    receivers: tuple[str, ...]
+    level: int
+    error: float
+    slowness: complex
+    extra: np.ndarray | None = field(default=None, metadata={"dims": ("extra",)})
+
+
+@pytest.fixture
+def spectrum():
+    draw = np.random.default_rng(1)
+    return Spectrum(
+        frequency=np.array([1.0, 2.0, np.nan]),
+        transfer=draw.normal(size=(3, 5)) + 1j * draw.normal(size=(3, 5)),
+        count=np.arange(3),
+        constant=1.0 - 2.0j,
+        label="a",
+        receivers=("rail", "ground"),
+        level=2,
+        error=math.nan,
+        slowness=3.0 + math.inf * 1j,
+    )
+
+
+def write(root, spectrum, **more):
+    return store.write(root, "spectrum/1", spectrum, {"kind": "spectrum"}, **more)
+
+
+def assert_equal(one, other):
+    for each in dataclasses.fields(one):
+        np.testing.assert_equal(getattr(one, each.name), getattr(other, each.name))
+        assert type(getattr(one, each.name)) is type(getattr(other, each.name)) or each.name == "constant"
+
+
+def test_a_result_comes_back_bit_by_bit(tmp_path, spectrum):
+    written = write(tmp_path / "s.zarr", spectrum)
+    assert_equal(store.read(tmp_path / "s.zarr", "spectrum/1", Spectrum, written.arrays), spectrum)
+    files = [path for path in (tmp_path / "s.zarr" / "spectrum" / "1").rglob("*") if path.is_file()]
+    assert written.bytes_written == sum(path.stat().st_size for path in files)
+
+
+def test_plain_arrays_and_attributes(tmp_path, spectrum):
+    write(tmp_path / store.STORE, spectrum)
+    arrays, attributes = store.read_arrays(tmp_path, "spectrum/1")
+    np.testing.assert_array_equal(arrays["transfer"], spectrum.transfer)
+    assert arrays.keys() == {"frequency", "transfer", "count", "constant"}
+    assert attributes["receivers"] == ["rail", "ground"]
+    assert attributes["kind"] == "spectrum"
+
+
+def test_xarray_opens_it(tmp_path, spectrum):
+    write(tmp_path / "s.zarr", spectrum)
+    with xarray.open_zarr(tmp_path / "s.zarr" / "spectrum" / "1") as dataset:
+        assert dataset.transfer.dims == ("frequency", "node")
+        assert dataset.transfer.attrs == {"units": "m2/N", "long_name": "transfer"}
+        np.testing.assert_array_equal(dataset.transfer.values, spectrum.transfer)
+
+
+def test_the_store_can_be_walked_and_a_missing_chunk_is_nan(tmp_path, spectrum):
+    write(tmp_path / "s.zarr", spectrum)
+    array = zarr.open_group(tmp_path / "s.zarr", mode="r")["spectrum/1/transfer"]
+    assert np.isnan(array.fill_value)
+    assert array.chunks == (3, 5)
+
+
+def test_large_arrays_are_cut_along_rows(tmp_path, spectrum, monkeypatch):
+    monkeypatch.setattr(store, "CHUNK_BYTES", 200)
+    written = write(tmp_path / "s.zarr", spectrum)
+    array = zarr.open_group(tmp_path / "s.zarr", mode="r")["spectrum/1/transfer"]
+    assert array.chunks == (2, 5)
+    assert_equal(store.read(tmp_path / "s.zarr", "spectrum/1", Spectrum, written.arrays), spectrum)
+
+
+def test_arrays_of_wrong_shape_are_refused(tmp_path, spectrum):
+    with pytest.raises(ValueError, match="transfer.*does not fit"):
+        write(tmp_path / "s.zarr", dataclasses.replace(spectrum, transfer=np.zeros(3)))
+    with pytest.raises(ValueError, match="4 along frequency, others have 3"):
+        write(tmp_path / "s.zarr", dataclasses.replace(spectrum, count=np.arange(4)))
+    assert not (tmp_path / "s.zarr").exists()
+
+
+def damage(root, how):
+    path = root / "spectrum" / "1" / "transfer" / "c" / "0" / "0"
+    if how == "flip":
+        content = bytearray(path.read_bytes())
+        content[10] ^= 1
+        path.write_bytes(content)
+    elif how == "truncate":
+        path.write_bytes(path.read_bytes()[:-8])
+    elif how == "delete":
+        path.unlink()
+    elif how == "metadata":
+        (root / "spectrum" / "1" / "zarr.json").write_text("{")
+    elif how == "replace":
+        zarr.open_group(root / "spectrum" / "1", mode="r+")["transfer"][0, 0] = 7.0
+    return path
+
+
+@pytest.mark.parametrize("how", ["flip", "truncate", "delete", "metadata", "replace"])
+def test_damage_is_found_against_the_record(tmp_path, spectrum, how):
+    written = write(tmp_path / "s.zarr", spectrum)
+    damage(tmp_path / "s.zarr", how)
+    with pytest.raises(store.DamagedError, match="spectrum/1"):
+        store.read(tmp_path / "s.zarr", "spectrum/1", Spectrum, written.arrays)
+
+
+def test_a_missing_group_is_damage(tmp_path):
+    with pytest.raises(store.DamagedError, match="spectrum/2"):
+        store.read_arrays(tmp_path, "spectrum/2")
+
+
+def test_an_unfinished_group_is_replaced(tmp_path, spectrum):
+    root = tmp_path / "s.zarr"
+    write(root, spectrum)
+    damage(root, "delete")
+    written = write(root, spectrum)
+    assert_equal(store.read(root, "spectrum/1", Spectrum, written.arrays), spectrum)
+    assert list((tmp_path / "s.zarr.partial").iterdir()) == []
+
+
+def test_a_committed_group_is_kept(tmp_path, spectrum):
+    root = tmp_path / "s.zarr"
+    first = write(root, spectrum)
+    write(root, dataclasses.replace(spectrum, transfer=spectrum.transfer + 1.0), keep=lambda: True)
+    assert_equal(store.read(root, "spectrum/1", Spectrum, first.arrays), spectrum)
+
+
+def test_clean_removes_what_dead_writers_left(tmp_path, spectrum):
+    write(tmp_path / "s.zarr", spectrum)
+    (tmp_path / "s.zarr.partial" / "x").mkdir()
+    store.clean(tmp_path / "s.zarr")
+    assert [path.name for path in tmp_path.iterdir()] == ["s.zarr"]

@@ -1,0 +1,125 @@
+import tomllib
+
+import numpy as np
+import pytest
+
+import railvib
+from railvib import bands
+from railvib.errors import PlausibilityWarning
+from railvib.spectra import Spectra
+from sweep import records, store, study, units
+from sweep.kinds import Unit
+from tests.sweep.small import STUDY
+
+
+def wanted(**sections):
+    """Return the units of the small study by approach, with some keys changed."""
+    data = tomllib.loads(STUDY)
+    for name, values in sections.items():
+        data.setdefault(name, {}).update(values)
+    resolved = study.resolve(data)
+    return {
+        (case.speed_kmh, approach): units.spectra_unit(resolved, case, approach)
+        for case in resolved.cases()
+        for approach in resolved.study.approaches.compare
+    }
+
+
+def ids(unit, kind):
+    """Return the ids of all units of a kind that a unit rests on."""
+    found = {unit.id} if unit.kind == kind else set()
+    return found.union(*(ids(need, kind) for need in units.KINDS[unit.kind].needs(unit.inputs)))
+
+
+def test_stored_spectra_are_those_of_predict(computed):
+    (case,) = study.load(computed / "small.toml").cases()
+    resolved = study.load(computed / "small.toml")
+    predicted = railvib.predict(
+        *(resolved.objects[kind][getattr(case, kind)] for kind in ("soil", "track", "train", "unevenness")),
+        case.speed_kmh / 3.6,
+        offsets=[8.0],
+        approaches=("moving-roughness", "full"),
+        minimum_frequency=4.0,
+        maximum_frequency=8.0,
+        tolerance=1e-3,
+    )
+    for record in records.committed(computed / "out", "spectra"):
+        made = store.read(computed / "out" / store.STORE, record["group"], Spectra, record["arrays"])
+        np.testing.assert_allclose(made.band, bands.midbands(4.0, 8.0))
+        for receiver, offset in (("rail", np.nan), ("ground", 8.0)):
+            (row,) = np.flatnonzero(
+                (made.receiver == receiver) & (made.contribution == "total") & (made.averaging == "line")
+            )
+            assert made.offset_m[row] == offset or np.isnan(offset)
+            here = predicted.velocity_mean_square.sel(
+                approach=record["inputs"]["approach"], contribution="total"
+            )
+            values = here.isel(receiver=0 if receiver == "rail" else 1).values
+            np.testing.assert_allclose(made.mean_square[row], values, rtol=1e-6)
+
+
+def test_another_speed_shares_the_ground():
+    both = wanted(sweep={"speed_kmh": [30, 32]})
+    for approach in ("moving-roughness", "full"):
+        slow, fast = both[30.0, approach], both[32.0, approach]
+        assert slow.id != fast.id
+        assert ids(slow, "transfer") == ids(fast, "transfer")
+        assert ids(slow, "line_integrals") == ids(fast, "line_integrals")
+    slow, fast = both[30.0, "moving-roughness"], both[32.0, "moving-roughness"]
+    assert ids(slow, "receptance") == ids(fast, "receptance")
+    assert not ids(both[30.0, "full"], "receptance") & ids(both[32.0, "full"], "receptance")
+
+
+def test_another_receiver_leaves_the_others():
+    few, more = wanted(), wanted(receivers={"offsets_m": [8, 16]})
+    for key in few:
+        assert ids(few[key], "transfer") < ids(more[key], "transfer")
+        assert ids(few[key], "receptance") == ids(more[key], "receptance")
+
+
+def test_the_order_of_receivers_and_averages_changes_nothing():
+    one = wanted(receivers={"offsets_m": [8, 16]}, approaches={"averaging": ["line", "train"]})
+    other = wanted(receivers={"offsets_m": [16.0, 8.0, 8.0]}, approaches={"averaging": ["train", "line"]})
+    assert one == other
+
+
+def test_the_full_model_has_no_average_over_the_train():
+    plain, averaged = wanted(), wanted(approaches={"averaging": ["line", "train"]})
+    assert plain[30.0, "full"] == averaged[30.0, "full"]
+    assert plain[30.0, "moving-roughness"] != averaged[30.0, "moving-roughness"]
+    assert len(ids(averaged[30.0, "moving-roughness"], "train_integrals")) == 2
+
+
+def test_the_tolerance_enters_every_unit():
+    one, other = wanted(), wanted(accuracy={"tolerance": 2e-3})
+    for key in one:
+        for kind in units.KINDS:
+            assert not ids(one[key], kind) & ids(other[key], kind)
+
+
+def test_scopes():
+    unit = wanted()[30.0, "full"]
+    scopes = {
+        need.kind: units.KINDS[need.kind].scope(need.inputs)
+        for need in units.KINDS["spectra"].needs(unit.inputs)
+    }
+    assert scopes == {"receptance": "speed", "transfer": "ground"}
+
+
+def test_estimates_are_near_what_is_stored(computed):
+    estimated = stored = 0
+    for record in records.committed(computed / "out"):
+        unit = Unit.of(record["kind"], **record["inputs"])
+        assert unit.id == record["unit_id"]
+        estimated += units.KINDS[unit.kind].size(unit.inputs)
+        stored += sum(cost["bytes_written"] for cost in record["costs"])
+    assert stored / 3.0 < estimated < 3.0 * stored
+
+
+def test_a_train_faster_than_the_waves_is_told():
+    data = tomllib.loads(STUDY)
+    data["sweep"]["soil"] = ["greby"]
+    data["sweep"]["speed_kmh"] = [100, 600]
+    data["frequency"]["maximum_hz"] = 80.0
+    with pytest.warns(PlausibilityWarning, match="greby, ballasted-paper: .*600 km/h.*exceeds"):
+        units.check_speeds(study.resolve(data))
