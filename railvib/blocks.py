@@ -8,6 +8,7 @@ edges or its frequencies, so blocks are shared.
 
 from collections.abc import Iterable
 
+import numba
 import numpy as np
 
 PER_DECADE = 2
@@ -77,13 +78,23 @@ def stencils(block: int, level: int, f: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def interpolated(block: int, level: int, f: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """Interpolate the rows of a block's table (frequencies, …) to frequencies f (n,) in Hz: (n, …)."""
+    """Interpolate the rows of a complex table (frequencies, m) to frequencies f (n,) in Hz: (n, m)."""
     first, weight = stencils(block, level, f)
-    shape = (-1, *[1] * (table.ndim - 1))
-    value = weight[:, 0].reshape(shape) * table[first]
-    for i in range(1, STENCIL):
-        value += weight[:, i].reshape(shape) * table[first + i]
-    return np.asarray(value)
+    return np.asarray(_combined(first, weight, np.ascontiguousarray(table)))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _combined(first, weight, table):
+    """Return the weighted sums of eight neighbouring rows."""
+    out = np.empty((first.shape[0], table.shape[1]), np.complex128)
+    for i in range(first.shape[0]):
+        n = first[i]
+        for j in range(table.shape[1]):
+            value = weight[i, 0] * table[n, j]
+            for m in range(1, 8):
+                value += weight[i, m] * table[n + m, j]
+            out[i, j] = value
+    return out
 
 
 def halfway(block: int, level: int, number: int) -> np.ndarray:

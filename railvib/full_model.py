@@ -30,6 +30,8 @@ _FINE_UP_TO_HZ = 4.0
 _COARSE_HZ = 0.1
 _LOWEST_HZ = 0.005
 _LINES_AT_ONCE = 64
+_NEGLIGIBLE = 1e-16
+"""Share of ∫ |H̃|² below which a panel is passed over: no excitation is stronger than another by that much."""
 
 
 @dataclass(frozen=True)
@@ -174,12 +176,23 @@ def _wavenumber_integrals(edge, transfer, shift, ahead, behind, fine, coarse, jo
     distances everywhere.
     """
     lagrange = np.empty(8)
+    size = np.empty(edge.shape[1] - 1)
     out = np.zeros(edge.shape[0])
     shortest = 12.0 * fine
     longest = 6.0 * coarse * 10.0
     for i in range(edge.shape[0]):
         total = 0.0
         for p in range(edge.shape[1] - 1):
+            low = edge[i, p]
+            high = edge[i, p + 1]
+            size[p] = 0.0
+            for j in range(ORDER):
+                h = transfer[i, p * ORDER + j]
+                size[p] = max(size[p], (high - low) * (h.real * h.real + h.imag * h.imag))
+        negligible = _NEGLIGIBLE * size.sum()
+        for p in range(edge.shape[1] - 1):
+            if size[p] < negligible:
+                continue
             low = edge[i, p]
             high = edge[i, p + 1]
             middle = 0.5 * (low + high)

@@ -46,54 +46,48 @@ def fourier_integrals(centre, half, value, distance, cosine, sine):
     value
         Real functions at the nodes, (functions, panels, order).
     distance
-        d, not negative, (distances,).
+        d, not negative and ascending, (distances,).
     cosine, sine
         Where the integrals are added, (functions, distances).
     """
-    c = np.empty(ORDER)
-    s = np.empty(ORDER)
-    weighted = np.empty((value.shape[0], ORDER))
+    distances = distance.shape[0]
+    c = np.empty(distances)
+    s = np.empty(distances)
     coefficient = np.empty((value.shape[0], ORDER))
     bessel = np.empty(ORDER + 40)
-    longest = distance.max()
     for p in range(centre.shape[0]):
         h = half[p]
-        for q in range(value.shape[0]):
-            for j in range(ORDER):
-                weighted[q, j] = h * WEIGHT[j] * value[q, p, j]
-        if h * longest > _MOST_PHASE:
+        near = np.searchsorted(distance, _MOST_PHASE / h)
+        # The innermost loops run over distances, so that they fill vector registers.
+        for j in range(ORDER):
+            beta = centre[p] + h * NODE[j]
+            for k in range(near):
+                c[k], s[k] = cos_sin(beta * distance[k])
+            for q in range(value.shape[0]):
+                weighted = h * WEIGHT[j] * value[q, p, j]
+                for k in range(near):
+                    cosine[q, k] += weighted * c[k]
+                    sine[q, k] += weighted * s[k]
+        if near < distances:
             for q in range(value.shape[0]):
                 for n in range(ORDER):
                     total = 0.0
                     for j in range(ORDER):
                         total += TO_LEGENDRE[n, j] * value[q, p, j]
                     coefficient[q, n] = total
-        for k in range(distance.shape[0]):
-            d = distance[k]
-            if h * d <= _MOST_PHASE:
-                for j in range(ORDER):
-                    c[j], s[j] = cos_sin((centre[p] + h * NODE[j]) * d)
-                for q in range(value.shape[0]):
-                    even = 0.0
-                    odd = 0.0
-                    for j in range(ORDER):
-                        even += weighted[q, j] * c[j]
-                        odd += weighted[q, j] * s[j]
-                    cosine[q, k] += even
-                    sine[q, k] += odd
-            else:
-                spherical_bessel(h * d, ORDER, bessel)
-                cc, ss = cos_sin(centre[p] * d)
-                for q in range(value.shape[0]):
-                    even = 0.0
-                    odd = 0.0
-                    sign = 2.0 * h
-                    for n in range(0, ORDER, 2):
-                        even += sign * bessel[n] * coefficient[q, n]
-                        odd += sign * bessel[n + 1] * coefficient[q, n + 1]
-                        sign = -sign
-                    cosine[q, k] += cc * even - ss * odd
-                    sine[q, k] += ss * even + cc * odd
+        for k in range(near, distances):
+            spherical_bessel(h * distance[k], ORDER, bessel)
+            cc, ss = cos_sin(centre[p] * distance[k])
+            for q in range(value.shape[0]):
+                even = 0.0
+                odd = 0.0
+                sign = 2.0 * h
+                for n in range(0, ORDER, 2):
+                    even += sign * bessel[n] * coefficient[q, n]
+                    odd += sign * bessel[n + 1] * coefficient[q, n + 1]
+                    sign = -sign
+                cosine[q, k] += cc * even - ss * odd
+                sine[q, k] += ss * even + cc * odd
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -18,6 +18,7 @@ import numpy as np
 
 from railvib import blocks
 from railvib.panels import BARYCENTRIC, NODE, ORDER, lagrange_weights, nodes_between
+from railvib.vector_math import cos_sin, exp
 
 Receiver = str | float
 """``"rail"``, or the distance from the centre line in m."""
@@ -133,10 +134,26 @@ class Nodes:
 
 def decay(frequency: np.ndarray, wavenumber: np.ndarray, distance: float, slowness: float) -> np.ndarray:
     """Return e^{−κ·distance} of an undamped wave, κ² = β² − (ω·slowness)², cut where nothing is left."""
+    shape = np.broadcast_shapes(frequency.shape, wavenumber.shape)
     if distance <= 0.0 or slowness <= 0.0:
-        return np.ones(np.broadcast_shapes(frequency.shape, wavenumber.shape), complex)
-    exponent = np.sqrt(wavenumber**2 - (2.0 * np.pi * frequency * slowness) ** 2 - 0j) * distance
-    return np.asarray(np.exp(-np.minimum(exponent.real, 60.0) - 1j * exponent.imag))
+        return np.ones(shape, complex)
+    k = np.broadcast_to(2.0 * np.pi * slowness * frequency, shape)
+    beta = np.broadcast_to(wavenumber, shape)
+    return np.asarray(_decay(k.ravel(), beta.ravel(), distance)).reshape(shape)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _decay(k, beta, distance):
+    out = np.empty(k.shape[0], np.complex128)
+    for i in range(k.shape[0]):
+        squared = beta[i] * beta[i] - k[i] * k[i]
+        size = np.sqrt(abs(squared)) * distance
+        if squared >= 0.0:
+            out[i] = exp(-min(size, 60.0))
+        else:
+            c, s = cos_sin(size)
+            out[i] = c - 1j * s
+    return out
 
 
 class TransferFunction:
