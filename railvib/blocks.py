@@ -14,7 +14,7 @@ import numpy as np
 PER_DECADE = 2
 STEPS = 25
 """Steps of a block at level 0: 4.7 % each."""
-HALO = 4
+HALO = 5
 """Frequencies tabulated beyond each edge, so that interpolation inside a block needs no neighbour."""
 LOWEST = -3
 """First block: below its lower edge, 0.0355 Hz, every response is taken as static."""
@@ -63,8 +63,8 @@ def stencils(block: int, level: int, f: np.ndarray) -> tuple[np.ndarray, np.ndar
     Returns
     -------
     first : ndarray of int, shape (n,)
-        First of the eight nearest rows.
-    weight : ndarray, shape (n, 8)
+        First of the nearest rows.
+    weight : ndarray, shape (n, STENCIL)
         Lagrange weights of these rows.
     """
     at = position(block, level, f)
@@ -85,13 +85,13 @@ def interpolated(block: int, level: int, f: np.ndarray, table: np.ndarray) -> np
 
 @numba.njit(cache=True, error_model="numpy")
 def _combined(first, weight, table):
-    """Return the weighted sums of eight neighbouring rows."""
+    """Return the weighted sums of neighbouring rows."""
     out = np.empty((first.shape[0], table.shape[1]), np.complex128)
     for i in range(first.shape[0]):
         n = first[i]
         for j in range(table.shape[1]):
             value = weight[i, 0] * table[n, j]
-            for m in range(1, 8):
+            for m in range(1, STENCIL):
                 value += weight[i, m] * table[n + m, j]
             out[i, j] = value
     return out

@@ -5,10 +5,13 @@ e^{iβd} dβ are sums over the nodes where few oscillations fit into the panel, 
 spherical Bessel functions where many do (Filon): ∫ P_n(t) e^{iθt} dt = 2 iⁿ j_n(θ).
 """
 
+from math import comb
+
 import numba
 import numpy as np
 from scipy.special import eval_legendre, roots_legendre
 
+from railvib.blocks import STENCIL
 from railvib.vector_math import cos_sin
 
 ORDER = 12
@@ -117,6 +120,25 @@ def spherical_bessel(x, order, out):
     scale = j0 / out[0] if abs(j0) > abs(j1) else j1 / out[1]
     for n in range(order):
         out[n] *= scale
+
+
+_BINOMIAL = np.array([(-1.0) ** m * comb(STENCIL - 1, m) for m in range(STENCIL)])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def stencil_weights(t, weight):
+    """Write the weights of equidistant points 0, 1, … for interpolation at t (barycentric form)."""
+    nearest = round(t)
+    if abs(t - nearest) < 1e-12 and 0 <= nearest < STENCIL:
+        weight[:] = 0.0
+        weight[int(nearest)] = 1.0
+        return
+    total = 0.0
+    for m in range(STENCIL):
+        weight[m] = _BINOMIAL[m] / (t - m)
+        total += weight[m]
+    for m in range(STENCIL):
+        weight[m] /= total
 
 
 @numba.njit(inline="always", error_model="numpy")

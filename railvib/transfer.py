@@ -17,7 +17,8 @@ import numba
 import numpy as np
 
 from railvib import blocks
-from railvib.panels import BARYCENTRIC, NODE, ORDER, lagrange_weights, nodes_between
+from railvib.blocks import STENCIL
+from railvib.panels import BARYCENTRIC, NODE, ORDER, nodes_between, stencil_weights
 from railvib.vector_math import cos_sin, exp
 
 Receiver = str | float
@@ -235,14 +236,13 @@ class TransferFunction:
 @numba.njit(cache=True, error_model="numpy")
 def _interpolate(at, frequency, beta, table, edge, top_slowness, largest):
     """Interpolate a table (frequency, node) at scattered points: Lagrange in ln f, polynomial in a panel."""
-    points = 8
-    weight = np.empty(points)
+    weight = np.empty(STENCIL)
     basis = np.empty(ORDER)
     out = np.empty(beta.shape[0], np.complex128)
     for i in range(beta.shape[0]):
-        first = min(max(int(np.floor(at[i])) - points // 2 + 1, 0), table.shape[0] - points)
+        first = min(max(int(np.floor(at[i])) - STENCIL // 2 + 1, 0), table.shape[0] - STENCIL)
         t = at[i] - first
-        lagrange_weights(t, weight)
+        stencil_weights(t, weight)
         dense = 2.0 * np.pi * frequency[i] * top_slowness
         u = beta[i] / dense
         if u > 1.0:
@@ -265,7 +265,7 @@ def _interpolate(at, frequency, beta, table, edge, top_slowness, largest):
             basis[j] = BARYCENTRIC[j] / d
             total += basis[j]
         value = 0j
-        for m in range(points):
+        for m in range(STENCIL):
             row = 0j
             if exact >= 0:
                 row = table[first + m, panel * ORDER + exact]
