@@ -10,20 +10,20 @@ from railvib.ground import Ground
 from railvib.surface_waves import critical_speed, surface_wave_speeds
 from railvib.track import Track
 
+HIGHEST = 100.0
+"""Frequency up to which waves are looked at, Hz, whatever a study asks for: a fast train excites them all."""
 _SURELY_SLOW = 0.4
 """Share of the lowest bound of the ground's wave speeds below which a train outruns nothing."""
 
 
 @lru_cache(maxsize=256)
-def slowest_surface_wave(ground: Ground, maximum_frequency: float) -> float:
-    """Return the lowest speed of a Rayleigh mode from 1 Hz up to a frequency in Hz, m/s; or infinity."""
-    speeds = [
-        surface_wave_speeds(ground, float(f)) for f in np.geomspace(1.0, max(maximum_frequency, 2.0), 8)
-    ]
+def slowest_surface_wave(ground: Ground) -> float:
+    """Return the lowest speed of a Rayleigh mode from 1 to 100 Hz, m/s; infinite without one."""
+    speeds = [surface_wave_speeds(ground, float(f)) for f in np.geomspace(1.0, HIGHEST, 8)]
     return min((float(each[0]) for each in speeds if each.size), default=np.inf)
 
 
-def check_speed(ground: Ground, track: Track, speed: float, maximum_frequency: float = 100.0) -> None:
+def check_speed(ground: Ground, track: Track, speed: float) -> None:
     """Warn where a train is faster than the slowest surface wave or the critical speed.
 
     Parameters
@@ -32,8 +32,6 @@ def check_speed(ground: Ground, track: Track, speed: float, maximum_frequency: f
         The ground, and the track on it.
     speed
         m/s.
-    maximum_frequency
-        Frequencies up to this one, Hz, are looked at.
 
     Warns
     -----
@@ -43,8 +41,8 @@ def check_speed(ground: Ground, track: Track, speed: float, maximum_frequency: f
     if speed < _SURELY_SLOW * ground.slowest_speed:
         return
     for name, limit in (
-        ("the slowest surface wave of the ground", slowest_surface_wave(ground, maximum_frequency)),
-        ("the critical speed of track and ground", critical_speed(ground, track, maximum_frequency)),
+        ("the slowest surface wave of the ground", slowest_surface_wave(ground)),
+        ("the critical speed of track and ground", critical_speed(ground, track, HIGHEST)),
     ):
         if speed > limit:
             warnings.warn(

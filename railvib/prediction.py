@@ -143,7 +143,7 @@ def predict(
     """
     asked = tuple(sorted({float(each) for each in offsets}))
     _check(speed, asked, approaches, rail)
-    check_speed(ground, track, speed, maximum_frequency)
+    check_speed(ground, track, speed)
     midband = bands.midbands(minimum_frequency, maximum_frequency)
     receivers: list[Receiver] = ["rail", *asked] if rail else [*asked]
     highest = highest_excitation(midband, largest_wavenumber(track, refinement), speed, refinement)

@@ -418,7 +418,7 @@ def check_speeds(resolved: Resolved) -> None:
             assert isinstance(track, Track)
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", PlausibilityWarning)
-                check_speed(ground, track, fastest, study.frequency.maximum_hz)
+                check_speed(ground, track, fastest)
             for each in caught:
                 warnings.warn(f"{name}, {other}: {each.message}", PlausibilityWarning, stacklevel=2)
 
