@@ -16,7 +16,7 @@ from railvib.moving_roughness import line_integrals
 from railvib.plausibility import check_speed
 from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
 from railvib.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
-from railvib.tabulation import largest_wavenumber, transfer_blocks
+from railvib.tabulation import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
 from railvib.track import Track
 from railvib.train_average import train_integrals
 from railvib.transfer import Receiver, TransferBlock, TransferFunction
@@ -142,7 +142,7 @@ def predict(
         If a value is out of range.
     """
     asked = tuple(sorted({float(each) for each in offsets}))
-    _check(speed, asked, approaches, rail)
+    _check(speed, asked, approaches, rail, tolerance)
     check_speed(ground, track, speed)
     midband = bands.midbands(minimum_frequency, maximum_frequency)
     receivers: list[Receiver] = ["rail", *asked] if rail else [*asked]
@@ -207,7 +207,9 @@ def _reach(highest: float) -> float:
     return float(blocks.frequency(0, blocks.indices(last, 0)[-1]))
 
 
-def _check(speed: float, offsets: tuple[float, ...], approaches: Sequence[str], rail: bool) -> None:
+def _check(
+    speed: float, offsets: tuple[float, ...], approaches: Sequence[str], rail: bool, tolerance: float
+) -> None:
     if not (np.isfinite(speed) and speed > 0.0):
         raise InputError(f"speed = {speed} m/s: must be positive and finite")
     for offset in offsets:
@@ -216,6 +218,8 @@ def _check(speed: float, offsets: tuple[float, ...], approaches: Sequence[str], 
     for approach in approaches:
         if approach not in APPROACHES:
             raise InputError(f"approach = {approach!r}: must be one of {', '.join(APPROACHES)}")
+    if not TIGHTEST <= tolerance <= LOOSEST:
+        raise InputError(f"tolerance = {tolerance}: must be from {TIGHTEST:g} to {LOOSEST:g}")
     if not offsets and not rail:
         raise InputError("offsets is empty and rail is False: there is no receiver")
 

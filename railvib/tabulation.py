@@ -23,6 +23,8 @@ Evaluate = Callable[[int, int, np.ndarray], np.ndarray]
 """Of level, frequency index and wavenumbers (n,): rail and ground at all offsets, (1 + offsets, n)."""
 
 MOST_LEVELS = 6
+TIGHTEST, LOOSEST = 1e-6, 1e-2
+"""Tolerances that can be asked for; the rational fits are asked for a millionth of them."""
 _MOST_HALVINGS = 12
 _CHECKS = 5
 

@@ -170,7 +170,7 @@ class Axes(Section):
 class Accuracy(Section):
     """How exact the transfer functions are, relative to themselves, at each requested offset."""
 
-    tolerance: Annotated[float, Strict(), Field(ge=1e-8, le=1e-2)] = 1e-4
+    tolerance: Annotated[float, Strict(), Field(ge=1e-6, le=1e-2)] = 1e-4
 
 
 class Lines(Section):
