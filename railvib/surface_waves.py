@@ -1,9 +1,10 @@
 """Surface waves of the ground: its Rayleigh modes, and the wave that track and ground carry together."""
 
 import numpy as np
+from scipy.optimize import newton
 
 from railvib.errors import InputError
-from railvib.flexibility import surface_flexibilities
+from railvib.flexibility import surface_flexibility
 from railvib.ground import Ground
 from railvib.rational_fit import fit_flexibility
 from railvib.strip import strip_compliances
@@ -36,7 +37,7 @@ def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
 
     Notes
     -----
-    A mode is a pole of Q33. The poles of the rational fit near the real axis start a Newton iteration on
+    A mode is a pole of Q33. The poles of the rational fit near the real axis start a secant search on
     1/Q33 itself, which drops those that stand for a branch cut.
     """
     if not frequency > 0.0:
@@ -58,35 +59,31 @@ def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
         & (start.real > 0.95 * omega / fastest)
     ]
 
-    def inverse(k: np.ndarray) -> np.ndarray:
-        return 1.0 / np.asarray(surface_flexibilities(np.ascontiguousarray(k), omega, stack, rigid))
+    def inverse(k: complex) -> complex:
+        try:
+            return 1.0 / complex(surface_flexibility(k, omega, stack, rigid))
+        except ZeroDivisionError:  # exactly on the pole
+            return 0j
 
     found: list[complex] = []
-    for first in near:
-        k = complex(first.real, -abs(first.imag))
-        older, old = k * (1.0 + 1e-6), k
-        values = inverse(np.array([older, old]))
-        for _ in range(_MOST_STEPS):
-            difference = values[1] - values[0]
-            if difference == 0.0:
-                break
-            new = old - values[1] * (old - older) / difference
-            older, old = old, new
-            values = np.array([values[1], inverse(np.array([new]))[0]])
-            if abs(old - older) < 1e-13 * abs(old):
-                break
-        small = abs(values[1]) < 1e-8 * abs(inverse(np.array([1.01 * k]))[0])
-        decays = abs(old.imag) <= limit * old.real
-        slower = rigid or old.real > omega / fastest
-        if (
-            small
-            and decays
-            and slower
-            and abs(old - k) < 0.1 * abs(k)
-            and all(abs(old - k) > 1e-7 * abs(k) for k in found)
-        ):
-            found.append(old)
-    return np.sort(omega / np.array([k.real for k in found]))
+    for candidate in near:
+        first = complex(candidate.real, -abs(candidate.imag))
+        k, search = newton(
+            inverse,
+            first,
+            x1=first * (1.0 + 1e-6),
+            tol=1e-13 * abs(first),
+            maxiter=_MOST_STEPS,
+            full_output=True,
+            disp=False,
+        )
+        close = abs(k - first) < 0.1 * abs(first)
+        decays = abs(k.imag) <= limit * k.real
+        slower = rigid or k.real > omega / fastest
+        new = all(abs(k - each) > 1e-7 * abs(each) for each in found)
+        if search.converged and close and decays and slower and new:
+            found.append(k)
+    return np.sort(omega / np.array([each.real for each in found]))
 
 
 def critical_speed(ground: Ground, track: Track, maximum_frequency: float = 100.0) -> float:
