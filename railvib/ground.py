@@ -7,12 +7,22 @@ and the constrained modulus are both multiplied by 1 + iη sgn ω, so both wave 
 
 import math
 from collections.abc import Iterator
+from functools import cache
 from typing import Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from railvib.parameters import LossFactor, Parameters, Positive
+
+
+@cache
+def _rayleigh_ratio(ratio: float) -> float:
+    """Return the Rayleigh speed over the shear speed, for ratio = (c_s/c_p)²."""
+    # Rayleigh's equation, rationalised, in ξ = (c/c_s)²; its smallest root between 0 and 1 is the wave's.
+    roots = np.roots([1.0, -8.0, 24.0 - 16.0 * ratio, -16.0 * (1.0 - ratio)])
+    real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < 1.0)]
+    return float(np.sqrt(real.min()))
 
 
 class Layer(Parameters):
@@ -50,6 +60,11 @@ class Layer(Parameters):
     def shear_modulus(self) -> float:
         """Shear modulus without damping, Pa."""
         return self.density * self.shear_speed**2
+
+    @property
+    def rayleigh_speed(self) -> float:
+        """Speed of Rayleigh waves on a half-space of this material without damping, m/s."""
+        return self.shear_speed * _rayleigh_ratio((self.shear_speed / self.dilatational_speed) ** 2)
 
     @property
     def poisson_ratio(self) -> float:
@@ -98,8 +113,8 @@ class Ground(Parameters):
 
     @property
     def slowest_speed(self) -> float:
-        """Lower bound of the surface-wave speeds, m/s: a Rayleigh speed is above 0.86 of the shear speed."""
-        return 0.86 * min(layer.shear_speed for layer in self.layers)
+        """Lower bound of the speeds of waves along the surface, m/s: just below every Rayleigh speed."""
+        return 0.98 * min(layer.rayleigh_speed for layer in self.layers)
 
     def wave_speeds(self) -> Iterator[float]:
         """Yield every layer's dilatational and shear speed, m/s."""

@@ -65,7 +65,7 @@ def rail_receptance(
     Raises
     ------
     InputError
-        If a frequency or the speed is negative or not finite.
+        If a frequency or the speed is negative, a value is not finite, or the tolerance cannot be met.
 
     Notes
     -----
@@ -77,6 +77,9 @@ def rail_receptance(
         raise InputError(f"frequency = {frequency!r} Hz: must be finite and not negative")
     if not (np.isfinite(speed) and speed >= 0.0):
         raise InputError(f"speed = {speed} m/s: must be finite and not negative")
+    if not np.all(np.isfinite(d)):
+        raise InputError(f"distance = {distance!r} m: must be finite")
+    _check_tolerance(tolerance)
     if speed == 0.0:
         needed = sorted({int(each) for each in blocks.assigned(f.ravel(), range(blocks.LOWEST, 20))})
     else:
@@ -142,7 +145,8 @@ def predict(
         If a value is out of range.
     """
     asked = tuple(sorted({float(each) for each in offsets}))
-    _check(speed, asked, approaches, rail, tolerance)
+    _check(speed, asked, approaches, rail, refinement)
+    _check_tolerance(tolerance)
     check_speed(ground, track, speed)
     midband = bands.midbands(minimum_frequency, maximum_frequency)
     receivers: list[Receiver] = ["rail", *asked] if rail else [*asked]
@@ -207,8 +211,13 @@ def _reach(highest: float) -> float:
     return float(blocks.frequency(0, blocks.indices(last, 0)[-1]))
 
 
+def _check_tolerance(tolerance: float) -> None:
+    if not TIGHTEST <= tolerance <= LOOSEST:
+        raise InputError(f"tolerance = {tolerance}: must be from {TIGHTEST:g} to {LOOSEST:g}")
+
+
 def _check(
-    speed: float, offsets: tuple[float, ...], approaches: Sequence[str], rail: bool, tolerance: float
+    speed: float, offsets: tuple[float, ...], approaches: Sequence[str], rail: bool, refinement: int
 ) -> None:
     if not (np.isfinite(speed) and speed > 0.0):
         raise InputError(f"speed = {speed} m/s: must be positive and finite")
@@ -218,8 +227,10 @@ def _check(
     for approach in approaches:
         if approach not in APPROACHES:
             raise InputError(f"approach = {approach!r}: must be one of {', '.join(APPROACHES)}")
-    if not TIGHTEST <= tolerance <= LOOSEST:
-        raise InputError(f"tolerance = {tolerance}: must be from {TIGHTEST:g} to {LOOSEST:g}")
+    if not approaches:
+        raise InputError(f"approaches is empty: must name at least one of {', '.join(APPROACHES)}")
+    if refinement < 1 or refinement & (refinement - 1):
+        raise InputError(f"refinement = {refinement}: must be 1, 2, 4 or another power of two")
     if not offsets and not rail:
         raise InputError("offsets is empty and rail is False: there is no receiver")
 

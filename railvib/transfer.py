@@ -225,11 +225,11 @@ class TransferFunction:
             table = self.blocks[int(block)]
             f = frequency[here]
             at = blocks.position(table.block, table.level, f)
-            reduced = _interpolate(
-                at, f, beta[here], table.reduced, table.edge, table.top_slowness, table.largest
-            )
-            carried = reduced * decay(f, beta[here], table.distance, table.reference_slowness)
-            value[here] = np.where(beta[here] <= table.largest, carried, 0.0)
+            inside = beta[here] <= table.largest
+            b = np.minimum(beta[here], table.largest)
+            reduced = _interpolate(at, f, b, table.reduced, table.edge, table.top_slowness, table.largest)
+            carried = reduced * decay(f, b, table.distance, table.reference_slowness)
+            value[here] = np.where(inside, carried, 0.0)
         return value
 
 
