@@ -1,0 +1,61 @@
+"""Soils, tracks, trains and tables that many tests share; each is made once per session."""
+
+from collections.abc import Callable
+from functools import cache
+
+import pytest
+
+from railvib import library
+from railvib.ground import Ground
+from railvib.tabulation import transfer_blocks
+from railvib.track import Track
+from railvib.transfer import Receiver, TransferFunction
+from railvib.vehicle import Train, Vehicle
+
+Tables = Callable[..., dict[Receiver, TransferFunction]]
+
+
+@pytest.fixture(scope="session")
+def horstwalde() -> Ground:
+    return library.load("soil", "horstwalde")
+
+
+@pytest.fixture(scope="session")
+def greby() -> Ground:
+    return library.load("soil", "greby")
+
+
+@pytest.fixture(scope="session")
+def track() -> Track:
+    return library.load("track", "ballasted-paper")
+
+
+@pytest.fixture(scope="session")
+def vehicle() -> Vehicle:
+    return library.load("vehicle", "regina")
+
+
+@pytest.fixture(scope="session")
+def train() -> Train:
+    return library.load("train", "grona-taget")
+
+
+@pytest.fixture(scope="session")
+def tables() -> Tables:
+    """Return a function that tabulates receivers over a range of blocks, and keeps each block that it
+    made.
+    """
+
+    @cache
+    def block_tables(
+        ground: Ground, track: Track, block: int, receivers: tuple[Receiver, ...], tolerance: float
+    ):
+        return transfer_blocks(ground, track, block, receivers, tolerance)
+
+    def functions(
+        ground: Ground, track: Track, blocks: range, receivers: tuple[Receiver, ...], tolerance: float = 1e-4
+    ) -> dict[Receiver, TransferFunction]:
+        made = [block_tables(ground, track, block, receivers, tolerance) for block in blocks]
+        return {receiver: TransferFunction(each[receiver] for each in made) for receiver in receivers}
+
+    return functions

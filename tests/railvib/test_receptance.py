@@ -1,0 +1,53 @@
+"""Tables of receptances: against single values, their interpolation, and what they hold for the figures."""
+
+import numpy as np
+import pytest
+
+from railvib import blocks
+from railvib.ground import Ground, Layer
+from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
+
+SOFT = Ground(layers=[Layer(shear_speed=150.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.1)])
+DISTANCES = [-19.0, -2.7, 0.0, 2.7, 19.0]
+
+
+@pytest.fixture(scope="module")
+def rail(track, tables):
+    return tables(SOFT, track, range(-3, 5), ("rail",))["rail"]
+
+
+@pytest.mark.parametrize("speed", [0.0, 40.0])
+def test_interpolation(rail, track, speed):
+    table = Receptances(receptance_block(rail, track, speed, DISTANCES, block) for block in range(-3, 3))
+    f = np.array([0.2, 0.9, 3.3, 7.1, 16.0, 34.0])
+    single = receptances(rail, track, speed, DISTANCES, f)
+    np.testing.assert_allclose(np.abs(table.at(f) - single) / np.abs(single[:, 2:3]), 0.0, atol=3e-5)
+    low = table.at(np.array([1e-3, 0.0]))
+    np.testing.assert_allclose(
+        low, np.broadcast_to(table.at(np.array([blocks.edges(-3)[0]])), low.shape), rtol=1e-12
+    )
+
+
+def test_columns_are_signed_distances(rail, track):
+    block = receptance_block(rail, track, 40.0, [2.7, -2.7, 0.0, 2.7], 0)
+    np.testing.assert_array_equal(block.distance, [-2.7, 0.0, 2.7])
+    ahead, behind = block.receptance[:, 2], block.receptance[:, 0]
+    assert np.abs(ahead / behind - 1.0).max() > 1e-2  # a moving load breaks the symmetry
+
+
+def test_integrand_for_the_figures(rail, track):
+    block = receptance_block(rail, track, 40.0, [0.0], 1)
+    assert block.rail_moving.shape == block.wavenumber.shape
+    row = 20
+    known = np.isfinite(block.rail_moving[row])
+    assert known.any()
+    beta = block.wavenumber[row][known]
+    seen = 2.0 * np.pi * block.frequency[row] - beta * 40.0
+    np.testing.assert_allclose(block.rail_moving[row][known], rail.response(beta, seen))
+
+
+def test_reach(rail, track):
+    top = highest_tabulated_frequency(track, 30.0, 40.0)
+    assert 30.0 + 100.0 < top < 30.0 + 150.0
+    with pytest.raises(ValueError, match="above the tabulated"):
+        receptances(rail, track, 40.0, [0.0], [400.0])
