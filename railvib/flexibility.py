@@ -16,6 +16,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from railvib.errors import InputError
 from railvib.ground import Ground
 
 
@@ -137,11 +138,18 @@ def ground_flexibility(ground: Ground, wavenumber: npt.ArrayLike, frequency: npt
     ndarray of complex
         Q33 in m/Pa, of the broadcast shape.
 
+    Raises
+    ------
+    InputError
+        If wavenumber and frequency are both zero on a half-space.
+
     Notes
     -----
     Flexibility-matrix approach of Sheng, Jones and Petyt (1999); the recursion is this project's own.
     """
     r, f = np.broadcast_arrays(np.abs(np.asarray(wavenumber, float)), np.asarray(frequency, float))
+    if ground.base == "half-space" and np.any((r == 0.0) & (f == 0.0)):
+        raise InputError("wavenumber and frequency are both 0: a half-space yields without bound")
     stack = ground.stack()
     rigid = ground.base == "rigid"
     q = np.empty(r.shape, complex)

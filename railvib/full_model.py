@@ -46,6 +46,8 @@ class Excitation:
     """q_l, N/√(rad/m), complex (β, axles)."""
     axle_position: np.ndarray
     """α, m, (axles,)."""
+    wavenumbers: tuple[float, float] = (0.0, np.inf)
+    """Where the unevenness is cut off, lowest and highest β, rad/m; the amplitudes go on beyond, smoothly."""
 
 
 def excitation(
@@ -82,8 +84,10 @@ def excitation(
     frequency = np.maximum(beta / per_hz, _LOWEST_HZ)
     phase = arrivals(train, frequency, speed)
     force = np.einsum("flp,fp->fl", force_matrices(train, moving, frequency), phase)
-    amplitude = force * phase.conj() * np.sqrt(unevenness.psd(frequency * per_hz))[:, None]
-    return Excitation((fine, coarse), joint, amplitude, train.axle_positions)
+    amplitude = force * phase.conj() * np.sqrt(unevenness.uncut.psd(frequency * per_hz))[:, None]
+    shortest, longest = unevenness.cut_offs
+    ends = (2.0 * np.pi / longest, 2.0 * np.pi / shortest if shortest > 0.0 else np.inf)
+    return Excitation((fine, coarse), joint, amplitude, train.axle_positions, ends)
 
 
 def passage_spectra(
@@ -136,6 +140,7 @@ def passage_spectra(
                         excited.step[0],
                         excited.step[1],
                         excited.joint,
+                        *excited.wavenumbers,
                     )
                     spent.evaluations += 2 * value.size
                     spent.kernel_calls += 1
@@ -168,13 +173,24 @@ def _amplitude(beta, ahead, behind, fine, coarse, joint, weight):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _wavenumber_integrals(edge, transfer, shift, ahead, behind, fine, coarse, joint):
-    """Return ∫ |H̃(κ)|² |A(κ + shift)|² dκ for every line.
+def _part_end(start, high, side, shift, shortest, longest, lowest, highest):
+    """Return where a part of a panel ends that starts at |κ| = start.
 
-    A panel of the table is cut where the unevenness' wavenumber β = κ + shift changes sign, and into parts
-    that are short against β near there, where the vehicles' own resonances lie, and against the axles'
-    distances everywhere.
+    A part is short against β near β = 0, where the vehicles' own resonances lie, and against the axles'
+    distances everywhere; and it ends where β = side·|κ| + shift changes sign or the unevenness is cut off.
     """
+    length = min(max(0.5 * abs(side * start + shift), shortest), longest)
+    end = high if high - start < 1.1 * length else start + length
+    for mark in (0.0, lowest, -lowest, highest, -highest):
+        at = side * (mark - shift)
+        if start * (1.0 + 1e-12) < at < end:
+            end = at
+    return end
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _wavenumber_integrals(edge, transfer, shift, ahead, behind, fine, coarse, joint, lowest, highest):
+    """Return ∫ |H̃(κ)|² |A(κ + shift)|² dκ over lowest ≤ |κ + shift| ≤ highest for every line."""
     lagrange = np.empty(8)
     size = np.empty(edge.shape[1] - 1)
     out = np.zeros(edge.shape[0])
@@ -200,13 +216,11 @@ def _wavenumber_integrals(edge, transfer, shift, ahead, behind, fine, coarse, jo
             for side in (-1.0, 1.0):
                 start = low
                 while start < high * (1.0 - 1e-12):
-                    beta = side * start + shift[i]
-                    end = min(high, start + min(max(0.5 * abs(beta), shortest), longest))
-                    zero = -side * shift[i]  # the |κ| at which β = 0, on the side where there is one
-                    if start < zero * (1.0 - 1e-12) and end > zero:
-                        end = zero
-                    if high - end < 0.1 * (end - start):
-                        end = high
+                    end = _part_end(start, high, side, shift[i], shortest, longest, lowest, highest)
+                    beta = abs(0.5 * side * (start + end) + shift[i])
+                    if beta < lowest or beta > highest:
+                        start = end
+                        continue
                     own = start == low and end == high
                     for j in range(ORDER):
                         kappa = 0.5 * (start + end) + 0.5 * (end - start) * NODE[j]

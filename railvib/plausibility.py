@@ -5,13 +5,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from railvib.errors import PlausibilityWarning
+from railvib.errors import InputError, PlausibilityWarning
 from railvib.ground import Ground
 from railvib.surface_waves import critical_speed, surface_wave_speeds
 from railvib.track import Track
 
 HIGHEST = 100.0
 """Frequency up to which waves are looked at, Hz, whatever a study asks for: a fast train excites them all."""
+LEAST_LOSS_FACTOR = 1e-3
 _SURELY_SLOW = 0.4
 """Share of the lowest bound of the ground's wave speeds below which a train outruns nothing."""
 
@@ -21,6 +22,22 @@ def slowest_surface_wave(ground: Ground) -> float:
     """Return the lowest speed of a Rayleigh mode from 1 to 100 Hz, m/s; infinite without one."""
     speeds = [surface_wave_speeds(ground, float(f)) for f in np.geomspace(1.0, HIGHEST, 8)]
     return min((float(each[0]) for each in speeds if each.size), default=np.inf)
+
+
+def check_damping(ground: Ground) -> None:
+    """Refuse a ground without damping, whose transfer functions are infinite at the waves' wavenumbers.
+
+    Raises
+    ------
+    InputError
+        Naming the layer.
+    """
+    for number, layer in enumerate(ground.layers):
+        if layer.loss_factor < LEAST_LOSS_FACTOR:
+            raise InputError(
+                f"layers[{number}].loss_factor = {layer.loss_factor:g}: must be {LEAST_LOSS_FACTOR:g} or "
+                "more for a prediction: undamped, the response is infinite at the wavenumbers of its waves"
+            )
 
 
 def check_speed(ground: Ground, track: Track, speed: float) -> None:

@@ -13,7 +13,7 @@ from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
 from railvib.moving_roughness import line_integrals
-from railvib.plausibility import check_speed
+from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
 from railvib.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
@@ -80,6 +80,7 @@ def rail_receptance(
     if not np.all(np.isfinite(d)):
         raise InputError(f"distance = {distance!r} m: must be finite")
     _check_tolerance(tolerance)
+    check_damping(ground)
     if speed == 0.0:
         needed = sorted({int(each) for each in blocks.assigned(f.ravel(), range(blocks.LOWEST, 20))})
     else:
@@ -147,6 +148,7 @@ def predict(
     asked = tuple(sorted({float(each) for each in offsets}))
     _check(speed, asked, approaches, rail, refinement)
     _check_tolerance(tolerance)
+    check_damping(ground)
     check_speed(ground, track, speed)
     midband = bands.midbands(minimum_frequency, maximum_frequency)
     receivers: list[Receiver] = ["rail", *asked] if rail else [*asked]

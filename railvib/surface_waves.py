@@ -28,7 +28,7 @@ def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
     Returns
     -------
     ndarray
-        m/s; empty where no mode propagates.
+        m/s; empty where no mode propagates without leaking, as under a stiff crust on softer ground.
 
     Raises
     ------

@@ -157,6 +157,11 @@ class Unevenness(Parameters):
         return self.minimum_wavelength or 0.0, longest
 
     @property
+    def uncut(self) -> "Unevenness":
+        """The same unevenness without cut-offs."""
+        return self.model_copy(update={"minimum_wavelength": None, "maximum_wavelength": None})
+
+    @property
     def validity(self) -> tuple[float, float]:
         """Shortest and longest wavelength in m for which the form is stated; (0, inf) for a power law."""
         if self.wavelength is not None:

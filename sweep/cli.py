@@ -54,7 +54,7 @@ def plan(study: Path, out: Path | None) -> None:
     resolved = _load(study)
     directory = out or _default_directory(resolved)
     request = prepare(resolved, directory)
-    _check_speeds(request)
+    _check_plausibility(request)
     click.echo(estimate.describe(request, directory))
 
 
@@ -121,7 +121,7 @@ def _run(
     from sweep.run import FAILED, INTERRUPTED, execute
 
     if request.plan.tasks:
-        _check_speeds(request)
+        _check_plausibility(request)
     workers = (os.cpu_count() or 1) if workers is None else workers
     tasks, cases = len(request.plan.tasks), len(request.cases)
     click.echo(f"{cases} cases, {len(request.plan.units)} units, {tasks} tasks to run", err=True)
@@ -137,11 +137,11 @@ def _run(
     sys.exit(exit_status)
 
 
-def _check_speeds(request: "Request") -> None:
+def _check_plausibility(request: "Request") -> None:
     from sweep import units
 
     with _cautions():
-        units.check_speeds(request.resolved)
+        units.check_plausibility(request.resolved)
 
 
 def _load(path: Path) -> "Resolved":

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railvib import bands, blocks, library
-from railvib.errors import PlausibilityWarning
+from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
 from railvib.moving_roughness import LineIntegrals, line_integrals
-from railvib.plausibility import check_speed
+from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
 from railvib.spectra import Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import MOST_LEVELS, largest_wavenumber, transfer_blocks
@@ -402,8 +402,13 @@ KINDS: dict[str, Kind] = {
 }
 
 
-def check_speeds(resolved: Resolved) -> None:
-    """Warn where the fastest train of the study outruns waves in ground and track.
+def check_plausibility(resolved: Resolved) -> None:
+    """Refuse soils without damping; warn where the fastest train outruns waves in ground and track.
+
+    Raises
+    ------
+    InputError
+        Naming the soil and the layer.
 
     Warns
     -----
@@ -413,8 +418,12 @@ def check_speeds(resolved: Resolved) -> None:
     study = resolved.study
     fastest = max(study.sweep.speed_kmh) / KMH
     for name, ground in resolved.objects["soil"].items():
+        assert isinstance(ground, Ground)
+        try:
+            check_damping(ground)
+        except InputError as error:
+            raise InputError(f"soil.{name}.{error}") from None
         for other, track in resolved.objects["track"].items():
-            assert isinstance(ground, Ground)
             assert isinstance(track, Track)
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", PlausibilityWarning)

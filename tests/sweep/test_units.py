@@ -122,4 +122,4 @@ def test_a_train_faster_than_the_waves_is_told():
     data["sweep"]["speed_kmh"] = [100, 600]
     data["frequency"]["maximum_hz"] = 80.0
     with pytest.warns(PlausibilityWarning, match="greby, ballasted-paper: .*600 km/h.*exceeds"):
-        units.check_speeds(study.resolve(data))
+        units.check_plausibility(study.resolve(data))
