@@ -30,6 +30,8 @@ _FINE_UP_TO_HZ = 4.0
 _COARSE_HZ = 0.1
 _LOWEST_HZ = 0.005
 _LINES_AT_ONCE = 64
+_SHORTEST_PART, _LONGEST_PART = 12.0, 60.0
+"""Bounds of a part of a panel, in steps of the fine and of the coarse grid: twelve nodes see what the grids see."""
 _NEGLIGIBLE = 1e-16
 """Share of ∫ |H̃|² below which a panel is passed over: no excitation is stronger than another by that much."""
 
@@ -194,8 +196,8 @@ def _wavenumber_integrals(edge, transfer, shift, ahead, behind, fine, coarse, jo
     lagrange = np.empty(8)
     size = np.empty(edge.shape[1] - 1)
     out = np.zeros(edge.shape[0])
-    shortest = 12.0 * fine
-    longest = 6.0 * coarse * 10.0
+    shortest = _SHORTEST_PART * fine
+    longest = _LONGEST_PART * coarse
     for i in range(edge.shape[0]):
         total = 0.0
         for p in range(edge.shape[1] - 1):

@@ -6,7 +6,7 @@ share their nodes, and none depends on which others were asked for. Each receive
 of frequencies at which interpolation between them passes a check against direct evaluation half-way.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.strip import strip_compliances
 from railvib.track import Track, track_response
 from railvib.transfer import Nodes, Receiver, TransferBlock, decay
-
-Evaluate = Callable[[int, int, np.ndarray], np.ndarray]
-"""Of level, frequency index and wavenumbers (n,): rail and ground at all offsets, (1 + offsets, n)."""
 
 MOST_LEVELS = 6
 TIGHTEST, LOOSEST = 1e-6, 1e-2
