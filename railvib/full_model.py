@@ -31,7 +31,7 @@ _COARSE_HZ = 0.1
 _LOWEST_HZ = 0.005
 _LINES_AT_ONCE = 64
 _SHORTEST_PART, _LONGEST_PART = 12.0, 60.0
-"""Bounds of a part of a panel, in steps of the fine and of the coarse grid: twelve nodes see what the grids see."""
+"""Bounds of a part of a panel, in steps of the fine and of the coarse grid; it has twelve nodes."""
 _NEGLIGIBLE = 1e-16
 """Share of ∫ |H̃|² below which a panel is passed over: no excitation is stronger than another by that much."""
 

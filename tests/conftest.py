@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import cache
 
 import pytest
+from hypothesis import settings
 
 from railvib import library
 from railvib.ground import Ground
@@ -11,6 +12,10 @@ from railvib.tabulation import transfer_blocks
 from railvib.track import Track
 from railvib.transfer import Receiver, TransferFunction
 from railvib.vehicle import Train, Vehicle
+
+# A busy machine makes a right answer slow, not wrong.
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 
 Tables = Callable[..., dict[Receiver, TransferFunction]]
 
