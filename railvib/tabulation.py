@@ -196,7 +196,10 @@ def _tables(
                 wavenumber=beta,
                 transfer=np.ascontiguousarray(values[:, row]),
                 **_rational_form(fits, level, ks),
+                quadrature=np.isin(frequency, list(evaluate.failed)).astype(float),
                 edge=nodes.edge,
+                receiver="rail" if receiver == "rail" else "ground",
+                offset=np.nan if receiver == "rail" else float(receiver),
                 block=fits.block,
                 level=level,
                 top_slowness=nodes.top_slowness,
@@ -207,7 +210,6 @@ def _tables(
                 compliance_error=_compliance_error(
                     fits, track, 0.0 if receiver == "rail" else float(receiver), tolerance
                 ),
-                quadrature_share=len(evaluate.failed) / (frequency.size + halfway.size),
             )
     return made
 

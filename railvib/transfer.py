@@ -37,7 +37,8 @@ class TransferBlock:
         metadata={
             "dims": ("frequency", "node"),
             "unit": "m2/N",
-            "description": "displacement per load on the rail",
+            "description": "displacement of the receiver per load on the rail",
+            "called_by": "receiver",
         }
     )
     pole: np.ndarray = field(
@@ -64,11 +65,22 @@ class TransferBlock:
             "description": "largest relative error of the rational form",
         }
     )
+    quadrature: np.ndarray = field(
+        metadata={
+            "dims": ("frequency",),
+            "unit": "1",
+            "description": "1 where the fit failed and direct quadrature took its place, else 0",
+        }
+    )
     edge: np.ndarray = field(
         metadata={"dims": ("edge",), "unit": "1", "description": "panel edges in the coordinate u"}
     )
+    receiver: str
+    """``"rail"`` or ``"ground"``; the transfer function is stored under this name."""
+    offset: float
+    """Distance of the receiver from the centre line, m; NaN on the rail."""
     block: int
-    """Index i of the block: 10^(i/2) to 10^((i+1)/2) Hz."""
+    """Index of the block, see `railvib.blocks`."""
     level: int
     top_slowness: float
     """Slowness at u = 1, s/m."""
@@ -82,8 +94,6 @@ class TransferBlock:
     """Largest relative error of interpolation between the frequencies, where it was checked."""
     compliance_error: float
     """Largest relative error of the ground's compliance against direct quadrature, where it was checked."""
-    quadrature_share: float
-    """Share of the frequencies whose rational fit failed, computed by direct quadrature instead."""
 
     @property
     def nodes(self) -> "Nodes":

@@ -51,10 +51,10 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
     root = Path(directory) / store.STORE
     fixed: list[_Part] = []
     moving: list[_Part] = []
-    for kind, parts, array in (("transfer", fixed, "transfer"), ("receptance", moving, "rail_moving")):
+    for kind, parts in (("transfer", fixed), ("receptance", moving)):
         for record in records.committed(directory, kind):
             for soil, track in sorted(names.get(record["unit_id"], ())):
-                parts.append(_part(root, record, soil, track, array))
+                parts.append(_part(root, record, soil, track))
     frequency = {
         block: np.unique(
             np.concatenate([part.frequency for part in (*fixed, *moving) if part.block == block])
@@ -99,7 +99,8 @@ class _Part:
     """One stored group: its place in the grid, and its frequencies without those beyond the block's edges."""
 
     group: Path
-    array: str
+    values: str
+    """Name of the array of values; the other one is called wavenumber."""
     key: Key
     block: int
     inside: NDArray[np.bool_]
@@ -107,21 +108,22 @@ class _Part:
     nodes: int
 
 
-def _part(root: Path, record: Mapping[str, Any], soil: str, track: str, array: str) -> _Part:
+def _part(root: Path, record: Mapping[str, Any], soil: str, track: str) -> _Part:
     group, inputs = root / record["group"], record["inputs"]
     block = int(inputs["block"])
     frequency = np.asarray(zarr.open_array(group / "frequency", mode="r")[...])
     low, high = blocks.edges(block)
     inside = (frequency >= low * (1.0 - 1e-9)) & (frequency < high * (1.0 - 1e-9))
     third = inputs["receiver"] if "receiver" in inputs else round(inputs["speed"] * KMH, 9)
+    values = next(name for name in ("rail", "ground", "rail_moving") if name in record["arrays"])
     return _Part(
         group,
-        array,
+        values,
         (soil, track, third),
         block,
         inside,
         frequency[inside],
-        record["arrays"][array]["shape"][1],
+        record["arrays"][values]["shape"][1],
     )
 
 
@@ -138,11 +140,10 @@ def _variables(
     nodes = max((part.nodes for part in parts), default=0)
     dims = (*axes, "frequency", node)
 
-    def assemble(array: str, dtype: type) -> dask.array.Array:
+    def assemble(dtype: type) -> dask.array.Array:
         def column(key: Key) -> dask.array.Array:
             pieces = [
-                _piece(there.get((key, block)), array, rows, nodes, dtype)
-                for block, rows in frequency.items()
+                _piece(there.get((key, block)), rows, nodes, dtype) for block, rows in frequency.items()
             ]
             joined: dask.array.Array = dask.array.concatenate(pieces, axis=0)
             return joined
@@ -154,21 +155,20 @@ def _variables(
         return grid
 
     return {
-        value: (dims, assemble(value, complex), {"units": "m2/N"}),
-        wavenumber: (dims, assemble("wavenumber", float), {"units": "rad/m"}),
+        value: (dims, assemble(complex), {"units": "m2/N"}),
+        wavenumber: (dims, assemble(float), {"units": "rad/m"}),
     }
 
 
-def _piece(
-    part: _Part | None, array: str, frequency: NDArray[np.float64], nodes: int, dtype: type
-) -> dask.array.Array:
-    """Return one block on the common frequencies and nodes, read when used; NaN where there is none."""
+def _piece(part: _Part | None, frequency: NDArray[np.float64], nodes: int, dtype: type) -> dask.array.Array:
+    """Return one block's values, or as floats its wavenumbers, read when used; NaN where there is none."""
     shape = (frequency.size, nodes)
     nothing = complex(np.nan, np.nan) if dtype is complex else np.nan
     if part is None:
         empty: dask.array.Array = dask.array.full(shape, nothing, dtype=dtype, chunks=shape)
         return empty
     rows = np.searchsorted(frequency, part.frequency)
+    array = part.values if dtype is complex else "wavenumber"
     later = delayed(_read, pure=True)(part.group, array, part.inside, rows, shape, nothing)
     block: dask.array.Array = dask.array.from_delayed(later, shape=shape, dtype=dtype)
     return block

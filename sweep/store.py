@@ -1,7 +1,8 @@
 """Results as immutable Zarr groups: a frozen dataclass of arrays in, the same dataclass or plain arrays out.
 
 Fields whose metadata name their dimensions are arrays, `field(metadata={"dims": ("frequency", "node"),
-"unit": "m/N", "description": "..."})`; all others, and arrays of text, go to the group's attributes. A group
+"unit": "m/N", "description": "..."})`; all others, and arrays of text, go to the group's attributes. With
+"called_by" an array takes its name from another field: H of the rail is stored as `rail`. A group
 is encoded in memory, written aside under `*.partial` and renamed to its place, so that what stands at its
 place is whole. An array is one chunk or is cut along its first dimension by this module alone: no caller can
 write part of a chunk.
@@ -94,7 +95,8 @@ def read(
     values: dict[str, Any] = {}
     for field in dataclasses.fields(kind):  # type: ignore[arg-type]
         if "dims" in field.metadata:
-            array = np.asarray(attributes[field.name]) if field.name in attributes else found.get(field.name)
+            name = _called(field, attributes.__getitem__)
+            array = np.asarray(attributes[name]) if name in attributes else found.get(name)
             values[field.name] = array[()] if array is not None and array.ndim == 0 else array
         else:
             values[field.name] = _restored(attributes[field.name], field.type)
@@ -128,6 +130,11 @@ def clean(root: Path) -> None:
     shutil.rmtree(root.with_name(root.name + ".partial"), ignore_errors=True)
 
 
+def _called(field: "dataclasses.Field[Any]", attribute: Callable[[str], Any]) -> str:
+    """Return an array's name in the store: its field's, or what another field of the result calls it."""
+    return str(attribute(field.metadata["called_by"])) if "called_by" in field.metadata else field.name
+
+
 def _split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]]], dict[str, Any]]:
     """Part the fields of a dataclass into arrays with their metadata and attributes; check dimensions."""
     arrays: dict[str, tuple[NDArray[Any], Mapping[str, Any]]] = {}
@@ -154,7 +161,7 @@ def _split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]
                 raise ValueError(
                     f"{type(result).__name__}.{field.name}: {size} along {dim}, others have {sizes[dim]}"
                 )
-        arrays[field.name] = (array, field.metadata)
+        arrays[_called(field, lambda name: getattr(result, name))] = (array, field.metadata)
     return arrays, attributes
 
 
