@@ -46,6 +46,11 @@ def frequency(level: int, k: np.ndarray | int) -> np.ndarray:
     return np.asarray(10.0 ** (SHIFT + np.asarray(k) / (PER_DECADE * STEPS * 2**level)))
 
 
+def reach(block: int) -> float:
+    """Return the highest frequency that a block may tabulate, the widest halo included, Hz."""
+    return float(frequency(0, indices(block, 0)[-1]))
+
+
 def position(block: int, level: int, f: np.ndarray) -> np.ndarray:
     """Return where frequencies f in Hz lie among a block's, as fractional row numbers."""
     steps = STEPS * 2**level

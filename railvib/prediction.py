@@ -158,7 +158,7 @@ def predict(
     moving = "full" in approaches
     tables: dict[Receiver, list[TransferBlock]] = {"rail": [], **{each: [] for each in asked}}
     top = (
-        highest_tabulated_frequency(track, _reach(highest), speed, refinement)
+        highest_tabulated_frequency(track, blocks.reach(blocks.up_to(highest)[-1]), speed, refinement)
         if moving
         else blocks.edges(covering[-1])[1]
     )
@@ -207,12 +207,6 @@ def predict(
     return _dataset(made, averaging)
 
 
-def _reach(highest: float) -> float:
-    """Return up to which frequency receptances are tabulated when they are needed up to `highest`, Hz."""
-    last = blocks.up_to(highest)[-1]
-    return float(blocks.frequency(0, blocks.indices(last, 0)[-1]))
-
-
 def _check_tolerance(tolerance: float) -> None:
     if not TIGHTEST <= tolerance <= LOOSEST:
         raise InputError(f"tolerance = {tolerance}: must be from {TIGHTEST:g} to {LOOSEST:g}")
@@ -238,17 +232,11 @@ def _check(
 
 
 def _report(tables: dict[Receiver, list[TransferBlock]], tolerance: float) -> None:
-    for receiver, table in tables.items():
+    for table in tables.values():
         worst = max(table, key=lambda each: each.interpolation_error)
-        if worst.interpolation_error > tolerance:
-            low, high = blocks.edges(worst.block)
-            name = "the rail" if receiver == "rail" else f"the ground at {receiver:g} m"
-            warnings.warn(
-                f"transfer function of {name}: relative error {worst.interpolation_error:.1e} between "
-                f"{low:.3g} and {high:.3g} Hz exceeds the tolerance {tolerance:g}",
-                PlausibilityWarning,
-                stacklevel=3,
-            )
+        shortfall = worst.shortfall(tolerance)
+        if shortfall:
+            warnings.warn(shortfall, PlausibilityWarning, stacklevel=3)
 
 
 def _dataset(made: Sequence[Spectra], averaging: str) -> "xarray.Dataset":

@@ -196,9 +196,7 @@ def receptances(
     d = np.atleast_1d(np.asarray(distances, float))
     away = np.unique(np.abs(d))
     with cost.stage("receptances") as spent:
-        panels = (
-            _standing_panels(rail, f) if speed == 0.0 else _moving_panels(rail, track, f, speed, tolerance)
-        )
+        panels = _standing_panels(rail, f) if speed == 0.0 else _moving_panels(rail, f, speed, tolerance)
         largest = np.full(f.size, rail.reach)
         np.maximum.at(largest, panels[0], panels[2])
         tail = _tail_panels(track, f, speed, largest)
@@ -238,9 +236,7 @@ def _standing_panels(rail: TransferFunction, frequency: np.ndarray) -> Panels:
     return owner, low, high, value
 
 
-def _moving_panels(
-    rail: TransferFunction, track: Track, frequency: np.ndarray, speed: float, tolerance: float
-) -> Panels:
+def _moving_panels(rail: TransferFunction, frequency: np.ndarray, speed: float, tolerance: float) -> Panels:
     """Return panels over all β up to the largest, halved until the response is resolved."""
     largest = rail.reach
     edges = [_edges(rail, 2.0 * np.pi * each, speed, largest) for each in frequency]

@@ -161,6 +161,7 @@ def _tables(
     made: dict[Receiver, TransferBlock] = {}
     passed: dict[Receiver, int] = {}
     beyond = int(np.log2(refinement))
+    slownesses = _reference_slownesses(fits)
     for level in range(MOST_LEVELS + beyond + 1):
         pending = sorted(receivers - made.keys(), key=str)
         if not pending:
@@ -176,6 +177,7 @@ def _tables(
         direct = np.array(
             [evaluate(level + 1, int(k), each) for k, each in zip(halfway, beta_halfway, strict=True)]
         )
+        form = _rational_form(fits, level, ks)
         for receiver in pending:
             row = evaluate.row(receiver)
             distance = 0.0 if receiver == "rail" else max(float(receiver) - track.half_width, 0.0)
@@ -183,7 +185,7 @@ def _tables(
             peak = np.abs(direct[:, min(row, 1)]).max(axis=1, keepdims=True)
             size = np.maximum(np.abs(direct[:, row]), 1e-8 * peak)
             errors = {}
-            for slowness in _reference_slownesses(fits) if distance > 0.0 else [0.0]:
+            for slowness in slownesses if distance > 0.0 else [0.0]:
                 between = _interpolated(fits.block, level, nodes, values[:, row], distance, slowness)
                 errors[slowness] = float((np.abs(between - direct[:, row]) / size).max())
             slowness, error = min(errors.items(), key=lambda each: each[1])
@@ -195,7 +197,7 @@ def _tables(
                 frequency=frequency,
                 wavenumber=beta,
                 transfer=np.ascontiguousarray(values[:, row]),
-                **_rational_form(fits, level, ks),
+                **form,
                 quadrature=np.isin(frequency, list(evaluate.failed)).astype(float),
                 edge=nodes.edge,
                 receiver="rail" if receiver == "rail" else "ground",

@@ -100,6 +100,17 @@ class TransferBlock:
         """The nodes of the block."""
         return Nodes(self.top_slowness, self.largest, self.edge)
 
+    def shortfall(self, tolerance: float) -> str | None:
+        """Return what to say where the table misses a tolerance, else None."""
+        if self.interpolation_error <= tolerance:
+            return None
+        name = "the rail" if self.receiver == "rail" else f"the ground at {self.offset:g} m"
+        low, high = blocks.edges(self.block)
+        return (
+            f"transfer function of {name} from {low:.3g} to {high:.3g} Hz: "
+            f"error {self.interpolation_error:.1e} is above the tolerance {tolerance:g}"
+        )
+
     @cached_property
     def reduced(self) -> np.ndarray:
         """The transfer function without the reference wave's decay, (frequency, node)."""

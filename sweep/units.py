@@ -175,26 +175,15 @@ def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Trans
         first["tolerance"],
     )
     for unit in units:
-        table = made[unit.inputs["receiver"]]
-        if not table.interpolation_error <= first["tolerance"]:
-            low, high = blocks.edges(table.block)
-            warnings.warn(
-                f"transfer function of {_name(unit.inputs['receiver'])} from {low:.3g} to {high:.3g} Hz: "
-                f"error {table.interpolation_error:.1e} is above the tolerance {first['tolerance']:g}",
-                AccuracyWarning,
-                stacklevel=1,
-            )
+        shortfall = made[unit.inputs["receiver"]].shortfall(first["tolerance"])
+        if shortfall:
+            warnings.warn(shortfall, AccuracyWarning, stacklevel=1)
     yield {unit: made[unit.inputs["receiver"]] for unit in units}
 
 
-def _name(receiver: str | float) -> str:
-    return "the rail" if receiver == RAIL else f"the ground at {receiver:g} m"
-
-
 def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
-    block = int(inputs["block"])
-    halo = float(blocks.frequency(0, blocks.indices(block, 0)[-1]))
-    highest = highest_tabulated_frequency(Track(**inputs["track"]), halo, inputs["speed"])
+    track = Track(**inputs["track"])
+    highest = highest_tabulated_frequency(track, blocks.reach(int(inputs["block"])), inputs["speed"])
     return _transfer_units(
         inputs["ground"], inputs["track"], inputs["tolerance"], RAIL, blocks.up_to(highest)
     )

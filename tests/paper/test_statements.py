@@ -33,6 +33,7 @@ def test_receptance_of_horstwalde_is_nearly_constant_and_falls_slowly_above_50_h
     frequency, size = receptance(results, "horstwalde", 0.0)
     level = 20.0 * np.log10(size / size[0])
     assert np.abs(level[frequency < 31.5]).max() < TOLERANCE
+    assert np.all(np.diff(level[frequency > 31.5]) < 0.0)
     above = level[frequency > 50.0]
     assert np.all(np.diff(above) < 0.0)
     assert above[0] - above[-1] < 6.0
