@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from railvib.compliance import ground_green_function, line_compliance
     from railvib.errors import InputError, PlausibilityWarning
     from railvib.flexibility import ground_flexibility
+    from railvib.flexibility_tensor import ground_flexibility_tensor
     from railvib.ground import Ground, Layer
     from railvib.prediction import predict, rail_receptance
     from railvib.surface_waves import critical_speed, surface_wave_speeds
@@ -29,6 +30,7 @@ _HOME = {
     "Vehicle": "vehicle",
     "critical_speed": "surface_waves",
     "ground_flexibility": "flexibility",
+    "ground_flexibility_tensor": "flexibility_tensor",
     "ground_green_function": "compliance",
     "line_compliance": "compliance",
     "predict": "prediction",
@@ -49,6 +51,7 @@ __all__ = [
     "Vehicle",
     "critical_speed",
     "ground_flexibility",
+    "ground_flexibility_tensor",
     "ground_green_function",
     "line_compliance",
     "predict",

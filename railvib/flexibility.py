@@ -33,8 +33,12 @@ def _propagator_coupling(p, s, e, h, decay):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def surface_flexibility(r, omega, stack, rigid):
-    """Return Q33 of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa]; `stack` is that of `Ground`."""
+def psv_flexibility(r, omega, stack, rigid):
+    """Return q11, q12, q21, q22 of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa].
+
+    Displacements ũ_r, u_z of the surface per stresses τ̃_rz, σ_zz on it, u_r = i ũ_r and τ_rz = i τ̃_rz along
+    the wave vector; `stack` is that of `Ground`.
+    """
     q11 = 0j
     q12 = 0j
     q21 = 0j
@@ -109,7 +113,13 @@ def surface_flexibility(r, omega, stack, rigid):
         q12 = d * (u12 * t11 - u11 * t12)
         q21 = d * (u21 * t22 - u22 * t21)
         q22 = d * (u22 * t11 - u21 * t12)
-    return -q22
+    return q11, q12, q21, q22
+
+
+@numba.njit(cache=True, error_model="numpy")
+def surface_flexibility(r, omega, stack, rigid):
+    """Return Q33 of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa]; `stack` is that of `Ground`."""
+    return -psv_flexibility(r, omega, stack, rigid)[3]
 
 
 @numba.njit(cache=True, error_model="numpy")

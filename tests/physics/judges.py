@@ -1,5 +1,6 @@
 """Slow, plain and independent computations that judge the package's: nothing here uses its fits or tables."""
 
+from collections.abc import Sequence
 from decimal import Decimal, localcontext
 
 import numba
@@ -39,8 +40,15 @@ def random_ground(rng: np.random.Generator, most_layers: int = 5, base: str = "h
 def flexibility_by_global_matrix(
     ground: Ground, wavenumber: complex, frequency: float, digits: int = 60
 ) -> complex:
-    """Return Q33 from the potentials of all layers and all conditions between them, solved as one system in
-    long arithmetic.
+    """Return Q33 from `psv_by_global_matrix`."""
+    return complex(psv_by_global_matrix(ground, wavenumber, frequency, digits, ["z"])[1, 0])
+
+
+def psv_by_global_matrix(
+    ground: Ground, wavenumber: complex, frequency: float, digits: int = 60, loads: Sequence[str] = ("x", "z")
+) -> np.ndarray:
+    """Return displacements u_x, u_z (rows) per surface stress along x and z (columns), m/Pa, from the
+    potentials of all layers and all conditions between them, solved as one system in long arithmetic.
 
     Displacements u_x = ik φ − ψ', u_z = φ' + ik ψ, z downward; φ and ψ are sums of one wave from each side
     of a layer.
@@ -86,7 +94,6 @@ def flexibility_by_global_matrix(
         size = sum(2 if medium[4] is None else 4 for medium in media)
         surface = state(media[0], Decimal(0))
         matrix = [[Long(0)] * size for _ in range(size)]
-        right = [Long(0), -Long(1) / scale] + [Long(0)] * (size - 2)
         for column, values in enumerate(surface):
             matrix[0][column], matrix[1][column] = values[2] / scale, values[3] / scale
         row, first = 2, 0
@@ -102,8 +109,16 @@ def flexibility_by_global_matrix(
                 for column, values in enumerate(other):
                     matrix[row + i][first + 4 + column] = -values[i] / units[i]
             row, first = row + conditions, first + 4
-        amplitude = solve(matrix, right)
-        return complex(sum((values[1] * amplitude[column] for column, values in enumerate(surface)), Long(0)))
+        flexibility = np.empty((2, len(loads)), complex)
+        for place, load in enumerate(loads):
+            right = [Long(0)] * size
+            right["xz".index(load)] = -Long(1) / scale
+            amplitude = solve(matrix, right)
+            for i in range(2):
+                flexibility[i, place] = complex(
+                    sum((values[i] * amplitude[column] for column, values in enumerate(surface)), Long(0))
+                )
+        return flexibility
 
 
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
