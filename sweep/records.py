@@ -1,12 +1,13 @@
 """What is done: one small JSON file per stored unit, written after its arrays, and one manifest per run.
 
 A commit record is written aside, synced and linked to its name, so that it is whole and the first one stays;
-its presence means that the unit is done. Failures lie beside them under `failed`, manifests under `runs`;
-`run.json` is the latest manifest. Everything else, the database included, can be rebuilt from these files and
-the store.
+its presence means that the unit is done. It ends with its own checksum: one that is torn or altered counts as
+absent. Failures lie beside them under `failed`, manifests under `runs`; `run.json` is the latest manifest.
+Everything else, the database included, can be rebuilt from these files and the store.
 """
 
 import contextlib
+import hashlib
 import json
 import os
 import uuid
@@ -14,9 +15,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-SCHEMA = 1
+SCHEMA = 2
+_WITHOUT_CHECKSUM = 1
+"""The schema before records had checksums."""
 RECORDS = "records"
 MANIFEST = "run.json"
+_CHECKSUM = "sha256"
 _FAILED = "failed"
 _RUNS = "runs"
 
@@ -26,15 +30,18 @@ class Run:
 
     @staticmethod
     def load(directory: Path | str) -> dict[str, Any]:
-        """Return the latest manifest of a run directory.
+        """Return the latest manifest of a run directory, where `run.json` is damaged its copy.
 
         Raises
         ------
         FileNotFoundError
             If the directory holds no run.
         """
-        manifest: dict[str, Any] = json.loads((Path(directory) / MANIFEST).read_bytes())
-        return manifest
+        path = Path(directory) / MANIFEST
+        found = _decode(path) or next(reversed(runs(directory)), None)
+        if found is None:
+            raise FileNotFoundError(path)
+        return found
 
     @staticmethod
     def publish(directory: Path | str, manifest: Mapping[str, Any]) -> None:
@@ -93,9 +100,11 @@ def commit(directory: Path | str, record: Mapping[str, Any]) -> bool:
         os.link(temporary, path)  # fails where the name is taken: the first wins, whoever is slower
         first = True
     except FileExistsError:
-        first = False
+        first = _decode(path) is None
+        if first:  # one that cannot be read holds its name for nothing
+            temporary.replace(path)
     finally:
-        temporary.unlink()
+        temporary.unlink(missing_ok=True)
     _sync_folder(path.parent)
     _failure(directory, record["unit_id"]).unlink(missing_ok=True)
     return first
@@ -137,16 +146,22 @@ def _records(folder: Path) -> Iterator[tuple[Path, dict[str, Any]]]:
 
 
 def _decode(path: Path) -> dict[str, Any] | None:
-    """Return the content of a record, or None where it is missing or torn."""
+    """Return the content of a record, or None where it is missing, torn or altered."""
     try:
-        content: dict[str, Any] = json.loads(path.read_bytes())
+        encoded = path.read_bytes()
+        content: dict[str, Any] = json.loads(encoded)
     except (FileNotFoundError, json.JSONDecodeError, UnicodeDecodeError):
         return None
-    return content
+    said = content.pop(_CHECKSUM, None)
+    body = encoded[: encoded.rfind(f',"{_CHECKSUM}":'.encode())]
+    whole = said == hashlib.sha256(body).hexdigest() or content.get("schema") == _WITHOUT_CHECKSUM
+    return content if whole else None
 
 
 def _encode(content: Mapping[str, Any]) -> bytes:
-    return (json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n").encode()
+    """Return a record as one line of JSON, with the sha256 of all that stands before as its last entry."""
+    body = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))[:-1].encode()
+    return body + f',"{_CHECKSUM}":"{hashlib.sha256(body).hexdigest()}"}}\n'.encode()
 
 
 def _replace(path: Path, content: bytes) -> None:

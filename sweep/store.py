@@ -42,9 +42,20 @@ class DamagedError(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Written:
-    """What a write left: per array its sha256, shape and dtype, and the bytes of all files of the group."""
+    """What a write left, for its record.
+
+    Attributes
+    ----------
+    arrays
+        Per array its sha256, shape and dtype.
+    metadata
+        The sha256 of the group's attributes and of all that Zarr says of its arrays.
+    bytes_written
+        Bytes of all objects of the group.
+    """
 
     arrays: dict[str, dict[str, Any]]
+    metadata: str
     bytes_written: int
 
 
@@ -77,21 +88,26 @@ def write(
     _rename(partial, place, keep)
     return Written(
         {name: checksum(array) for name, (array, _) in arrays.items()},
+        _metadata(objects),
         sum(len(content) for content in objects.values()),
     )
 
 
 def read(
-    root: Path, group: str, kind: type[Result], arrays: Mapping[str, Mapping[str, Any]] | None = None
+    root: Path,
+    group: str,
+    kind: type[Result],
+    arrays: Mapping[str, Mapping[str, Any]] | None = None,
+    metadata: str | None = None,
 ) -> Result:
-    """Read the group `root/group` back as the dataclass `kind`, verified against a record's `arrays`.
+    """Read the group `root/group` back as the dataclass `kind`, verified against its record as by `check`.
 
     Raises
     ------
     DamagedError
-        If the group is missing, cannot be decoded or differs from `arrays`.
+        If the group is missing, cannot be decoded or is not the one recorded.
     """
-    found, attributes = _load(root, group, arrays)
+    found, attributes = _load(root, group, arrays, metadata)
     values: dict[str, Any] = {}
     for field in dataclasses.fields(kind):  # type: ignore[arg-type]
         if "dims" in field.metadata:
@@ -111,7 +127,18 @@ def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[An
     DamagedError
         If the group is missing or cannot be decoded.
     """
-    return _load(Path(directory) / STORE, group, None)
+    return _load(Path(directory) / STORE, group)
+
+
+def check(directory: Path | str, record: Mapping[str, Any]) -> None:
+    """Read the group of a record, and compare it with the checksums that the record holds.
+
+    Raises
+    ------
+    DamagedError
+        If the group is missing, cannot be decoded or is not the one recorded.
+    """
+    _load(Path(directory) / STORE, record["group"], record["arrays"], record.get("metadata"))
 
 
 def checksum(array: NDArray[Any]) -> dict[str, Any]:
@@ -254,17 +281,20 @@ def _files(top: Path) -> Iterator[Path]:
 
 
 def _load(
-    root: Path, group: str, expected: Mapping[str, Mapping[str, Any]] | None
+    root: Path,
+    group: str,
+    expected: Mapping[str, Mapping[str, Any]] | None = None,
+    metadata: str | None = None,
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Read a whole group through memory, and compare it with the checksums that its record expects."""
     place = root / group
     prototype = default_buffer_prototype()
-    objects = {
-        path.relative_to(place).as_posix(): prototype.buffer.from_bytes(path.read_bytes())
-        for path in _files(place)
-    }
+    objects = {path.relative_to(place).as_posix(): path.read_bytes() for path in _files(place)}
+    if metadata is not None and _metadata(objects) != metadata:
+        raise DamagedError(f"{group}: is missing, or its metadata are not those recorded")
     try:
-        node = zarr.open_group(MemoryStore(objects), mode="r")
+        buffers = {key: prototype.buffer.from_bytes(content) for key, content in objects.items()}
+        node = zarr.open_group(MemoryStore(buffers), mode="r")
         found = {name: np.asarray(array[...]) for name, array in node.arrays()}
         attributes = dict(node.attrs)
     except Exception as error:  # a decoder may raise anything on bytes that are not its own
@@ -274,6 +304,16 @@ def _load(
             if name not in found or name not in expected or checksum(found[name]) != dict(expected[name]):
                 raise DamagedError(f"{group}: the array {name} is not the one recorded")
     return found, attributes
+
+
+def _metadata(objects: Mapping[str, bytes | memoryview]) -> str:
+    """Return the sha256 over the objects of a group that are no chunks, in order of their keys."""
+    digest = hashlib.sha256()
+    for key in sorted(objects):
+        if key.rpartition("/")[2] == "zarr.json":
+            digest.update(key.encode() + b"\0")
+            digest.update(objects[key])
+    return digest.hexdigest()
 
 
 def _plain(value: Any) -> Any:

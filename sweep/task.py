@@ -186,6 +186,7 @@ class Reader:
                     record["group"],
                     self._kinds[unit.kind].result,
                     record["arrays"],
+                    record.get("metadata"),
                 )
             except store.DamagedError as error:
                 records.withdraw(self._directory, unit.kind, unit.id)
@@ -216,6 +217,7 @@ def _commit(
         "status": "done",
         "group": unit.group,
         "arrays": written.arrays,
+        "metadata": written.metadata,
         "costs": [*costs, storing],
         "warnings": cautions,
     }

@@ -9,7 +9,7 @@ from sweep.records import Run
 
 
 def record(unit_id, **more):
-    return {"schema": 1, "kind": "square", "unit_id": unit_id, "status": "done", **more}
+    return {"schema": records.SCHEMA, "kind": "square", "unit_id": unit_id, "status": "done", **more}
 
 
 def test_the_first_record_stays(tmp_path):
@@ -78,6 +78,28 @@ def test_a_torn_record_is_none(tmp_path):
     path.write_bytes(path.read_bytes()[:-5])
     assert records.find(tmp_path, "square", "a") is None
     assert list(records.committed(tmp_path)) == []
+
+
+def test_an_altered_record_is_none_and_the_next_one_stands(tmp_path):
+    records.commit(tmp_path, record("a", worker="first"))
+    path = tmp_path / "records" / "square" / "a.json"
+    whole = path.read_bytes()
+    for place in range(len(whole)):
+        altered = bytearray(whole)
+        altered[place] ^= 1
+        path.write_bytes(altered)
+        found = records.find(tmp_path, "square", "a")
+        assert found is None or found == record("a", worker="first"), bytes(altered)
+    path.write_bytes(whole[:20])
+    assert records.commit(tmp_path, record("a", worker="second"))
+    assert records.find(tmp_path, "square", "a")["worker"] == "second"
+    assert os.listdir(path.parent) == ["a.json"]
+
+
+def test_a_damaged_manifest_has_a_copy(tmp_path):
+    Run.publish(tmp_path, {"run_id": "x", "started": "2026-01-02", "exit_status": 0})
+    (tmp_path / "run.json").write_text('{"run_id"')
+    assert Run.load(tmp_path)["exit_status"] == 0
 
 
 def test_a_withdrawn_record_can_be_written_again(tmp_path):

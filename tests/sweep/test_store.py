@@ -124,6 +124,20 @@ def test_damage_is_found_against_the_record(tmp_path, spectrum, how):
         store.read(tmp_path / "s.zarr", "spectrum/1", Spectrum, written.arrays)
 
 
+def test_altered_attributes_are_found_against_the_record(tmp_path, spectrum):
+    root = tmp_path / store.STORE
+    written = write(root, spectrum)
+    record = {"group": "spectrum/1", "arrays": written.arrays, "metadata": written.metadata}
+    store.check(tmp_path, record)
+    path = root / "spectrum" / "1" / "zarr.json"
+    path.write_text(path.read_text().replace('"level": 2', '"level": 3'))
+    assert store.read(root, "spectrum/1", Spectrum, written.arrays).level == 3
+    with pytest.raises(store.DamagedError, match="metadata"):
+        store.check(tmp_path, record)
+    with pytest.raises(store.DamagedError, match="metadata"):
+        store.read(root, "spectrum/1", Spectrum, written.arrays, written.metadata)
+
+
 def test_a_missing_group_is_damage(tmp_path):
     with pytest.raises(store.DamagedError, match="spectrum/2"):
         store.read_arrays(tmp_path, "spectrum/2")
