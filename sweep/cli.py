@@ -3,10 +3,9 @@
 What they need is imported when they run, so that asking for help, or for what is done already, stays quick.
 """
 
-import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
@@ -23,6 +22,12 @@ if TYPE_CHECKING:
 AFTER_RUN = "railvib.after_run"
 STUDY = click.Path(dir_okay=False, path_type=Path)
 DIRECTORY = click.Path(file_okay=False, path_type=Path)
+
+STORED = click.option(
+    "--store",
+    metavar="PATH-OR-URL",
+    help="Keep what cases share outside the run, for many studies: a folder, or s3://BUCKET/PREFIX.",
+)
 
 
 def computing(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -46,14 +51,15 @@ def computing(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.command()
 @click.argument("study", type=STUDY)
 @click.option("--out", type=DIRECTORY, help="Output directory that a run would use. Default: runs/<study>.")
-def plan(study: Path, out: Path | None) -> None:
+@STORED
+def plan(study: Path, out: Path | None, store: str | None) -> None:
     """Show what running STUDY takes: cases, tasks, what is there already, bytes and memory."""
     from sweep import estimate
     from sweep.run import prepare
 
     resolved = _load(study)
     directory = out or _default_directory(resolved)
-    request = prepare(resolved, directory)
+    request = prepare(resolved, directory, store)
     _check_plausibility(request)
     click.echo(estimate.describe(request, directory))
 
@@ -61,20 +67,22 @@ def plan(study: Path, out: Path | None) -> None:
 @click.command()
 @click.argument("study", type=STUDY)
 @click.option("--out", type=DIRECTORY, help="Output directory. Default: runs/<study>.")
+@STORED
 @computing
-def run(study: Path, out: Path | None, workers: int | None, scheduler: str | None, dashboard: bool) -> None:
+def run(study: Path, out: Path | None, store: str | None, **launch: Any) -> None:
     """Compute what is missing of STUDY, and publish the results."""
     from sweep.run import prepare
 
     resolved = _load(study)
     directory = out or _default_directory(resolved)
-    _run(prepare(resolved, directory), directory, workers, scheduler, dashboard)
+    _run(prepare(resolved, directory, store), directory, launch)
 
 
 @click.command()
 @click.argument("directory", type=DIRECTORY)
+@STORED
 @computing
-def resume(directory: Path, workers: int | None, scheduler: str | None, dashboard: bool) -> None:
+def resume(directory: Path, store: str | None, **launch: Any) -> None:
     """Compute what is missing or has failed of the latest run in DIRECTORY."""
     from sweep import study
     from sweep.run import prepare
@@ -82,7 +90,7 @@ def resume(directory: Path, workers: int | None, scheduler: str | None, dashboar
     manifest = _manifest(directory)
     with _cautions():
         resolved = study.resolve(manifest["study"])
-    _run(prepare(resolved, directory), directory, workers, scheduler, dashboard)
+    _run(prepare(resolved, directory, store), directory, launch)
 
 
 @click.command()
@@ -114,19 +122,17 @@ def status(directory: Path) -> None:
         click.echo(f"continue with: railvib resume {directory}")
 
 
-def _run(
-    request: "Request", directory: Path, workers: int | None, scheduler: str | None, dashboard: bool
-) -> None:
+def _run(request: "Request", directory: Path, launch: Mapping[str, Any]) -> None:
     """Compute, publish, and leave with the exit status."""
+    from sweep.launch import Launch
     from sweep.run import FAILED, INTERRUPTED, execute
 
     if request.plan.tasks:
         _check_plausibility(request)
-    workers = (os.cpu_count() or 1) if workers is None else workers
     tasks, cases = len(request.plan.tasks), len(request.cases)
     click.echo(f"{cases} cases, {len(request.plan.units)} units, {tasks} tasks to run", err=True)
     try:
-        exit_status = execute(request, directory, workers, scheduler, dashboard)
+        exit_status = execute(request, directory, Launch(**launch))
     except KeyboardInterrupt:
         click.echo(f"interrupted; what is done is kept. Continue with: railvib resume {directory}", err=True)
         sys.exit(INTERRUPTED)

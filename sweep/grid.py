@@ -9,7 +9,6 @@ from typing import Any
 import dask.array
 import numpy as np
 import xarray
-import zarr
 from dask.delayed import delayed
 from numpy.typing import NDArray
 
@@ -48,13 +47,12 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
         for units in case["units"].values():
             for unit in units:
                 names.setdefault(unit["unit_id"], set()).add((case["soil"], case["track"]))
-    root = Path(directory) / store.STORE
     fixed: list[_Part] = []
     moving: list[_Part] = []
     for kind, parts in (("transfer", fixed), ("receptance", moving)):
         for record in records.committed(directory, kind):
             for soil, track in sorted(names.get(record["unit_id"], ())):
-                parts.append(_part(root, record, soil, track))
+                parts.append(_part(directory, record, soil, track))
     frequency = {
         block: np.unique(
             np.concatenate([part.frequency for part in (*fixed, *moving) if part.block == block])
@@ -98,7 +96,8 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
 class _Part:
     """One stored group: its place in the grid, and its frequencies without those beyond the block's edges."""
 
-    group: Path
+    directory: Path | str
+    group: str
     values: str
     """Name of the array of values; the other one is called wavenumber."""
     key: Key
@@ -108,15 +107,16 @@ class _Part:
     nodes: int
 
 
-def _part(root: Path, record: Mapping[str, Any], soil: str, track: str) -> _Part:
-    group, inputs = root / record["group"], record["inputs"]
+def _part(directory: Path | str, record: Mapping[str, Any], soil: str, track: str) -> _Part:
+    group, inputs = record["group"], record["inputs"]
     block = int(inputs["block"])
-    frequency = np.asarray(zarr.open_array(group / "frequency", mode="r")[...])
+    frequency = np.asarray(store.open_array(directory, group, "frequency")[...])
     low, high = blocks.edges(block)
     inside = (frequency >= low * (1.0 - 1e-9)) & (frequency < high * (1.0 - 1e-9))
     third = inputs["receiver"] if "receiver" in inputs else round(inputs["speed"] * KMH, 9)
     values = next(name for name in ("rail", "ground", "rail_moving") if name in record["arrays"])
     return _Part(
+        directory,
         group,
         values,
         (soil, track, third),
@@ -169,20 +169,21 @@ def _piece(part: _Part | None, frequency: NDArray[np.float64], nodes: int, dtype
         return empty
     rows = np.searchsorted(frequency, part.frequency)
     array = part.values if dtype is complex else "wavenumber"
-    later = delayed(_read, pure=True)(part.group, array, part.inside, rows, shape, nothing)
+    later = delayed(_read, pure=True)(part.directory, part.group, array, part.inside, rows, shape, nothing)
     block: dask.array.Array = dask.array.from_delayed(later, shape=shape, dtype=dtype)
     return block
 
 
 def _read(
-    group: Path,
+    directory: Path | str,
+    group: str,
     array: str,
     inside: NDArray[np.bool_],
     rows: NDArray[np.intp],
     shape: tuple[int, int],
     nothing: complex,
 ) -> NDArray[Any]:
-    stored = np.asarray(zarr.open_array(group / array, mode="r")[...])
+    stored = np.asarray(store.open_array(directory, group, array)[...])
     out = np.full(shape, nothing, dtype=stored.dtype)
     out[rows, : stored.shape[1]] = stored[inside]
     return out

@@ -40,11 +40,6 @@ class Unit:
         """The unit's id."""
         return identity.unit_id(self.kind, self.inputs)
 
-    @property
-    def group(self) -> str:
-        """The unit's group in the store."""
-        return f"{self.kind}/{self.id}"
-
     def __eq__(self, other: object) -> bool:
         """Return whether the other one is a unit of the same id."""
         return isinstance(other, Unit) and self.id == other.id

@@ -1,19 +1,20 @@
 """What is done: one small JSON file per stored unit, written after its arrays, and one manifest per run.
 
-A commit record is written aside, synced and linked to its name, so that it is whole and the first one stays;
-its presence means that the unit is done. It ends with its own checksum: one that is torn or altered counts as
-absent. Failures lie beside them under `failed`, manifests under `runs`; `run.json` is the latest manifest.
-Everything else, the database included, can be rebuilt from these files and the store.
+The first commit record of a unit stays; its presence means that the unit is done. It ends with its own
+checksum: one that is torn or altered counts as absent. A record lies where its arrays lie: with the run, or
+in a store outside that many runs share and their manifests name. Failures and manifests lie with the run,
+under `failed` and `runs`; `run.json` is the latest manifest. Everything else, the database included, can be
+rebuilt from these files and the arrays.
 """
 
-import contextlib
 import hashlib
 import json
-import os
-import uuid
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
+
+from sweep import location
 
 SCHEMA = 2
 _WITHOUT_CHECKSUM = 1
@@ -23,6 +24,9 @@ MANIFEST = "run.json"
 _CHECKSUM = "sha256"
 _FAILED = "failed"
 _RUNS = "runs"
+
+Home = Path | str
+"""Where units lie: the path of a run directory, or path or address of a store outside."""
 
 
 class Run:
@@ -37,120 +41,153 @@ class Run:
         FileNotFoundError
             If the directory holds no run.
         """
-        path = Path(directory) / MANIFEST
-        found = _decode(path) or next(reversed(runs(directory)), None)
+        found = _decode(location.Folder(directory).read(MANIFEST)) or next(reversed(runs(directory)), None)
         if found is None:
-            raise FileNotFoundError(path)
+            raise FileNotFoundError(Path(directory) / MANIFEST)
         return found
 
     @staticmethod
     def publish(directory: Path | str, manifest: Mapping[str, Any]) -> None:
         """Write a manifest under its run id and as the latest one, each replaced in one step."""
         content = _encode(manifest)
-        for path in (
-            Path(directory) / RECORDS / _RUNS / f"{manifest['run_id']}.json",
-            Path(directory) / MANIFEST,
-        ):
-            _replace(path, content)
+        for key in (f"{RECORDS}/{_RUNS}/{manifest['run_id']}.json", MANIFEST):
+            location.Folder(directory).replace(key, content)
 
 
 def runs(directory: Path | str) -> list[dict[str, Any]]:
     """Return the manifests of all runs of a directory, the earliest first."""
-    manifests = [content for _, content in _records(Path(directory) / RECORDS / _RUNS)]
+    manifests = _folder(directory, _RUNS)
     return sorted(manifests, key=lambda manifest: (manifest["started"], manifest["run_id"]))
 
 
+def homes(directory: Path | str) -> tuple[Home, ...]:
+    """Return where the units of a run directory lie: there, and in the store that its latest run names."""
+    path = Path(directory) / MANIFEST
+    try:
+        state = path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return (directory,)
+    outside = _store(Path(directory), state.st_mtime_ns, state.st_size)
+    return (directory, outside) if outside else (directory,)
+
+
+@lru_cache(16)
+def _store(directory: Path, changed: int, size: int) -> str | None:
+    """Return the store that the manifest of a directory names; read once, for it may be large."""
+    named: str | None = Run.load(directory).get("store")
+    return named
+
+
 def committed(directory: Path | str, kind: str | None = None) -> Iterator[dict[str, Any]]:
-    """Yield the commit records of a run directory, of one kind or of all, by kind and id."""
-    for folder in [Path(directory) / RECORDS / kind] if kind else _kinds(directory):
-        yield from (content for _, content in _records(folder))
+    """Yield the commit records of a run directory, of one kind or of all, by kind and id.
+
+    Of a store outside only those count that a run of the directory needs.
+    """
+    here, *outside = homes(directory)
+    kept = {home: _listed(home, kind) for home in (here, *outside)}
+    needed = _needed(directory) if outside else set()
+    for home in outside:
+        kept[home] = [key for key in kept[home] if key[1] in needed and key not in kept[here]]
+    contents = {home: location.at(home).read_many(_key(*key) for key in keys) for home, keys in kept.items()}
+    for _, home in sorted((key, home) for home, keys in kept.items() for key in keys):
+        record = _decode(next(contents[home]))
+        if record is not None:
+            yield record
 
 
 def failed(directory: Path | str) -> Iterator[dict[str, Any]]:
     """Yield the records of failures that no later attempt has made good."""
-    for _, content in _records(Path(directory) / RECORDS / _FAILED):
-        if not _path(directory, content["kind"], content["unit_id"]).exists():
-            yield content
+    for failure in _folder(directory, _FAILED):
+        if all(find(home, failure["kind"], failure["unit_id"]) is None for home in homes(directory)):
+            yield failure
 
 
 def present(directory: Path | str) -> set[str]:
-    """Return the ids of all committed units, from the names of their records alone."""
-    return {
-        entry.name.removesuffix(".json")
-        for folder in _kinds(directory)
-        for entry in os.scandir(folder)
-        if entry.name.endswith(".json")
-    }
+    """Return the ids of all committed units of a run directory, from the names of their records alone."""
+    here, *outside = homes(directory)
+    found = listed(here)
+    for home in outside:
+        found |= listed(home) & _needed(directory)
+    return found
 
 
-def find(directory: Path | str, kind: str, unit_id: str) -> dict[str, Any] | None:
-    """Return the commit record of a unit, or None where there is none that can be read."""
-    return _decode(_path(directory, kind, unit_id))
+def listed(home: Home) -> set[str]:
+    """Return the ids of all units committed at one place, whoever asked for them."""
+    return {unit_id for _, unit_id in _listed(home)}
 
 
-def commit(directory: Path | str, record: Mapping[str, Any]) -> bool:
-    """Write a commit record unless there is one; return whether this one is the first and so counts.
+def find(home: Home, kind: str, unit_id: str) -> dict[str, Any] | None:
+    """Return the commit record of a unit at one place, or None where there is none that can be read."""
+    return _decode(location.at(home).read(_key(kind, unit_id)))
 
-    A failure recorded earlier for the same unit is withdrawn.
-    """
-    path = _path(directory, record["kind"], record["unit_id"])
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = _write_aside(path, _encode(record))
-    try:
-        os.link(temporary, path)  # fails where the name is taken: the first wins, whoever is slower
-        first = True
-    except FileExistsError:
-        first = _decode(path) is None
-        if first:  # one that cannot be read holds its name for nothing
-            temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    _sync_folder(path.parent)
-    _failure(directory, record["unit_id"]).unlink(missing_ok=True)
-    return first
+
+def commit(home: Home, record: Mapping[str, Any]) -> bool:
+    """Write a commit record unless there is one; return whether this one is the first and so counts."""
+    place, key, content = location.at(home), _key(record["kind"], record["unit_id"]), _encode(record)
+    if place.create(key, content):
+        return True
+    if _decode(place.read(key)) is not None:
+        return False
+    place.remove(key)  # one that cannot be read holds its name for nothing
+    return place.create(key, content)
+
+
+def withdraw(home: Home, kind: str, unit_id: str) -> None:
+    """Take back the commit record of a unit whose arrays were found damaged, so that it is computed again."""
+    location.at(home).remove(_key(kind, unit_id))
 
 
 def fail(directory: Path | str, record: Mapping[str, Any]) -> None:
     """Write the record of a failure; a later one of the same unit replaces it."""
-    _replace(_failure(directory, record["unit_id"]), _encode(record))
+    location.Folder(directory).replace(_key(_FAILED, record["unit_id"]), _encode(record))
 
 
-def withdraw(directory: Path | str, kind: str, unit_id: str) -> None:
-    """Take back the commit record of a unit whose arrays were found damaged, so that it is computed again."""
-    with contextlib.suppress(FileNotFoundError):
-        _path(directory, kind, unit_id).unlink()
+def forget_failure(directory: Path | str, unit_id: str) -> None:
+    """Remove the record of a failure that a later attempt has made good."""
+    location.Folder(directory).remove(_key(_FAILED, unit_id))
 
 
-def _path(directory: Path | str, kind: str, unit_id: str) -> Path:
-    return Path(directory) / RECORDS / kind / f"{unit_id}.json"
+def _needed(directory: Path | str) -> set[str]:
+    """Return the ids of the units that any run of a directory rests on."""
+    return {
+        unit["unit_id"]
+        for manifest in runs(directory)
+        for case in manifest["cases"]
+        for units in case["units"].values()
+        for unit in units
+    }
 
 
-def _failure(directory: Path | str, unit_id: str) -> Path:
-    return Path(directory) / RECORDS / _FAILED / f"{unit_id}.json"
+def _key(kind: str, unit_id: str) -> str:
+    return f"{RECORDS}/{kind}/{unit_id}.json"
 
 
-def _kinds(directory: Path | str) -> list[Path]:
-    """Return the folders that hold commit records, in order of their kind."""
-    top = Path(directory) / RECORDS
-    if not top.is_dir():
-        return []
-    return sorted(path for path in top.iterdir() if path.is_dir() and path.name not in (_FAILED, _RUNS))
+def _listed(home: Home, kind: str | None = None) -> list[tuple[str, str]]:
+    """Return kind and id of the records at one place, of one kind or of all, sorted."""
+    place = location.at(home)
+    kinds = [kind] if kind else [name for name in place.names(RECORDS) if name not in (_FAILED, _RUNS)]
+    return sorted(
+        (each, name.removesuffix(".json"))
+        for each in kinds
+        for name in place.names(f"{RECORDS}/{each}")
+        if name.endswith(".json")
+    )
 
 
-def _records(folder: Path) -> Iterator[tuple[Path, dict[str, Any]]]:
-    """Yield the readable records of a folder in order of their names."""
-    for path in sorted(folder.glob("*.json")):
-        content = _decode(path)
-        if content is not None:
-            yield path, content
+def _folder(directory: Path | str, name: str) -> list[dict[str, Any]]:
+    """Return the readable files of one folder of a run directory's records, in order of their names."""
+    place = location.Folder(directory)
+    keys = [_key(name, each) for _, each in _listed(directory, name)]
+    return [content for content in map(_decode, place.read_many(keys)) if content is not None]
 
 
-def _decode(path: Path) -> dict[str, Any] | None:
+def _decode(encoded: bytes | None) -> dict[str, Any] | None:
     """Return the content of a record, or None where it is missing, torn or altered."""
+    if encoded is None:
+        return None
     try:
-        encoded = path.read_bytes()
         content: dict[str, Any] = json.loads(encoded)
-    except (FileNotFoundError, json.JSONDecodeError, UnicodeDecodeError):
+    except (json.JSONDecodeError, UnicodeDecodeError):
         return None
     said = content.pop(_CHECKSUM, None)
     body = encoded[: encoded.rfind(f',"{_CHECKSUM}":'.encode())]
@@ -162,29 +199,3 @@ def _encode(content: Mapping[str, Any]) -> bytes:
     """Return a record as one line of JSON, with the sha256 of all that stands before as its last entry."""
     body = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))[:-1].encode()
     return body + f',"{_CHECKSUM}":"{hashlib.sha256(body).hexdigest()}"}}\n'.encode()
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file in one step, durable when this returns."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    _write_aside(path, content).replace(path)
-    _sync_folder(path.parent)
-
-
-def _write_aside(path: Path, content: bytes) -> Path:
-    """Write and sync a file beside `path` under a name of its own."""
-    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
-    with temporary.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    return temporary
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the names in a folder durable, not only the files behind them."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -6,7 +6,6 @@ import platform
 import secrets
 import socket
 from collections.abc import Mapping
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
@@ -15,9 +14,10 @@ from typing import Any
 
 import railvib
 from railvib.errors import InputError
-from sweep import plan, records, units
+from sweep import location, plan, records, units
 from sweep.host import host_class
 from sweep.kinds import Kind, Unit
+from sweep.launch import Launch
 from sweep.study import Case, Resolved
 
 LIBRARIES = (
@@ -45,32 +45,47 @@ class Request:
     ----------
     wanted
         Per case and approach, the unit that holds its result.
+    store
+        Where results lie that cases share, if not with the run.
     """
 
     resolved: Resolved
     cases: tuple[Case, ...]
     wanted: Mapping[tuple[str, str], Unit]
     plan: plan.Plan
+    store: str | None = None
 
 
-def prepare(resolved: Resolved, directory: Path) -> Request:
-    """Plan a study against what a directory holds already; writes nothing.
+def prepare(resolved: Resolved, directory: Path, store: str | None = None) -> Request:
+    """Plan a study against what a directory and a store outside hold already; writes nothing.
+
+    Parameters
+    ----------
+    resolved
+        The study.
+    directory
+        Where its results are or shall be.
+    store
+        Path or address of the store outside; without one, that of the directory's latest run.
 
     Raises
     ------
     InputError
-        If the directory belongs to another study, or to something else.
+        If the directory belongs to another study, or to something else, or the store cannot be used.
     """
     check_directory(directory, resolved.study.study.name)
+    store = location.address(store) if store else next(map(str, records.homes(directory)[1:]), None)
+    present = records.listed(directory)
+    if store:
+        location.at(store).check()
+        present |= records.listed(store)
     cases = tuple(resolved.cases())
     wanted: dict[tuple[str, str], Unit] = {
         (case.case_id, approach): units.spectra_unit(resolved, case, approach)
         for case in cases
         for approach in resolved.study.approaches.compare
     }
-    return Request(
-        resolved, cases, wanted, plan.make(wanted.values(), units.KINDS, records.present(directory))
-    )
+    return Request(resolved, cases, wanted, plan.make(wanted.values(), units.KINDS, present), store)
 
 
 def check_directory(directory: Path, name: str) -> None:
@@ -95,7 +110,7 @@ def check_directory(directory: Path, name: str) -> None:
         )
 
 
-def execute(request: Request, directory: Path, workers: int, scheduler: str | None, dashboard: bool) -> int:
+def execute(request: Request, directory: Path, launch: Launch) -> int:
     """Compute what is missing, and leave the manifest; return the exit status.
 
     Parameters
@@ -104,22 +119,18 @@ def execute(request: Request, directory: Path, workers: int, scheduler: str | No
         The study and its plan.
     directory
         Where results go; made if missing.
-    workers
-        Processes to start on this machine; 0 computes in this process.
-    scheduler
-        Address of a Dask scheduler to use instead.
-    dashboard
-        Whether workers started here show Dask's dashboard.
+    launch
+        Who computes.
     """
     run_id = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{secrets.token_hex(4)}"
-    manifest = _manifest(request, run_id, workers)
+    manifest = _manifest(request, run_id, launch)
     if not request.plan.tasks and _asked_before(manifest, directory):
         return DONE
     directory.mkdir(parents=True, exist_ok=True)
     records.Run.publish(directory, manifest)
     status = INTERRUPTED
     try:
-        status = _compute(request, directory, run_id, workers, scheduler, dashboard)
+        status = _compute(request, directory, run_id, launch)
     finally:
         manifest |= {"finished": _now(), "exit_status": status}
         records.Run.publish(directory, manifest)
@@ -132,15 +143,13 @@ def _asked_before(manifest: Mapping[str, Any], directory: Path) -> bool:
         latest = records.Run.load(directory)
     except FileNotFoundError:
         return False
-    asked = ("study", "cases", "model_version", "parameters")
+    asked = ("study", "cases", "model_version", "parameters", "store")
     return latest["exit_status"] == DONE and all(
-        latest[name] == json.loads(json.dumps(manifest[name])) for name in asked
+        latest.get(name) == json.loads(json.dumps(manifest[name])) for name in asked
     )
 
 
-def _compute(
-    request: Request, directory: Path, run_id: str, workers: int, scheduler: str | None, dashboard: bool
-) -> int:
+def _compute(request: Request, directory: Path, run_id: str, launch: Launch) -> int:
     """Run the missing tasks, if any: without work there is no cluster, and nothing heavy is imported."""
     tasks = request.plan.tasks
     from sweep.progress import Display, Log
@@ -153,10 +162,12 @@ def _compute(
         from sweep import engine, store
         from sweep.task import Outcome, Place
 
-        store.clean(directory / store.STORE)
-        place = Place(str(directory.resolve()), run_id, units.__name__)
+        store.clean(directory)
+        if request.store:
+            store.clean(request.store, location.ABANDONED_S)
+        place = Place(str(directory.resolve()), run_id, units.__name__, store=request.store)
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
-        with Display(len(tasks)) as display, _crew(len(tasks), workers, scheduler, dashboard) as crew:
+        with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__) as crew:
 
             def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
                 display.update(task, outcome, tally)
@@ -176,26 +187,13 @@ def _compute(
                     break
                 # A stored result was found damaged and withdrawn: a new plan makes it again.
                 log.write("repairing", tasks=tally.damaged)
-                again = prepare(request.resolved, directory).plan
+                again = prepare(request.resolved, directory, request.store).plan
                 tally = engine.run(again, place, crew, report)
         log.write("finished", done=tally.done, failed=tally.failed, skipped=tally.skipped)
     return FAILED if tally.failed else DONE
 
 
-def _crew(tasks: int, workers: int, scheduler: str | None, dashboard: bool) -> AbstractContextManager[Any]:
-    """Return who computes: a running cluster, this process, or workers started for the purpose."""
-    from sweep import engine
-
-    if scheduler is None and workers == 0:
-        return nullcontext(engine.ThisProcess())
-    from sweep import cluster
-
-    if scheduler is not None:
-        return cluster.remote(scheduler, units.__name__)
-    return cluster.local(min(workers, tasks), units.__name__, dashboard)
-
-
-def _manifest(request: Request, run_id: str, workers: int) -> dict[str, Any]:
+def _manifest(request: Request, run_id: str, launch: Launch) -> dict[str, Any]:
     """Return the manifest of a run that begins; names stand here, and in no id."""
     resolved = request.resolved
     return {
@@ -203,6 +201,7 @@ def _manifest(request: Request, run_id: str, workers: int) -> dict[str, Any]:
         "run_id": run_id,
         "study_name": resolved.study.study.name,
         "study": resolved.document(),
+        "store": request.store,
         "reference": resolved.study.approaches.reference,
         "versions": {
             "python": platform.python_version(),
@@ -211,7 +210,7 @@ def _manifest(request: Request, run_id: str, workers: int) -> dict[str, Any]:
         "model_version": railvib.MODEL_VERSION,
         "host": socket.gethostname(),
         "host_class": host_class(),
-        "threads": max(workers, 1),
+        "threads": max(launch.processes, 1),
         "pid": os.getpid(),
         "started": _now(),
         "finished": None,

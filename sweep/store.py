@@ -2,23 +2,18 @@
 
 Fields whose metadata name their dimensions are arrays, `field(metadata={"dims": ("frequency", "node"),
 "unit": "m/N", "description": "..."})`; all others, and arrays of text, go to the group's attributes. With
-"called_by" an array takes its name from another field: H of the rail is stored as `rail`. A group
-is encoded in memory, written aside under `*.partial` and renamed to its place, so that what stands at its
-place is whole. An array is one chunk or is cut along its first dimension by this module alone: no caller can
-write part of a chunk.
+"called_by" an array takes its name from another field: H of the rail is stored as `rail`. A group is encoded
+in memory and named after its content, and never changes. An array is one chunk or is cut along its first
+dimension by this module alone: no caller can write part of a chunk.
 """
 
 import dataclasses
-import errno
-import filecmp
 import hashlib
+import json
 import math
-import os
-import shutil
-import uuid
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Callable, Mapping
+from pathlib import Path, PurePosixPath
 from typing import Any, TypeVar
 
 import numpy as np
@@ -29,9 +24,13 @@ from zarr.core.buffer import default_buffer_prototype
 from zarr.errors import ZarrUserWarning
 from zarr.storage import MemoryStore
 
+from sweep import location, records
+
 STORE = "transfer_functions.zarr"
 CHUNK_BYTES = 64 * 2**20
-_EMPTY_GROUP = '{"zarr_format":3,"node_type":"group","attributes":{}}'
+_DIGITS = 16
+"""Of the digest in a group's name, hexadecimal."""
+_EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
 
 Result = TypeVar("Result")
 
@@ -46,6 +45,8 @@ class Written:
 
     Attributes
     ----------
+    group
+        Where it is in the store.
     arrays
         Per array its sha256, shape and dtype.
     metadata
@@ -54,22 +55,17 @@ class Written:
         Bytes of all objects of the group.
     """
 
+    group: str
     arrays: dict[str, dict[str, Any]]
     metadata: str
     bytes_written: int
 
 
-def write(
-    root: Path,
-    group: str,
-    result: Any,
-    attributes: Mapping[str, Any],
-    keep: Callable[[], bool] = lambda: False,
-) -> Written:
-    """Write `result`, a frozen dataclass of arrays, as the group `root/group`.
+def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
+    """Write `result`, a frozen dataclass of arrays, as a group of the store at `home`.
 
-    Where the group is there already with other bytes (left by an attempt that died before its record), it is
-    replaced, unless `keep` says that it has been committed meanwhile.
+    The group is called `name` and a digest of what is in it. So writers whose results differ in the last
+    digit never touch each other's, and a record names the group that it stands for.
 
     Raises
     ------
@@ -78,36 +74,31 @@ def write(
     """
     arrays, extra = _split(result)
     objects = _encode(arrays, {**attributes, **extra})
-    place = root / group
-    _make_parents(root, group)
-    partial = root.with_name(root.name + ".partial") / uuid.uuid4().hex
-    for key, content in objects.items():
-        path = partial / key
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-    _rename(partial, place, keep)
-    return Written(
-        {name: checksum(array) for name, (array, _) in arrays.items()},
-        _metadata(objects),
-        sum(len(content) for content in objects.values()),
-    )
+    checksums, metadata = {name: checksum(array) for name, (array, _) in arrays.items()}, _metadata(objects)
+    content = json.dumps([checksums, metadata], sort_keys=True)
+    group = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
+    place = location.at(home)
+    for level in reversed(PurePosixPath(STORE, group).parents[:-1]):
+        place.ensure(f"{level}/zarr.json", _EMPTY_GROUP)  # so that the store can be walked from its root
+    place.put(f"{STORE}/{group}", objects)
+    return Written(group, checksums, metadata, sum(len(content) for content in objects.values()))
 
 
 def read(
-    root: Path,
+    home: records.Home,
     group: str,
     kind: type[Result],
     arrays: Mapping[str, Mapping[str, Any]] | None = None,
     metadata: str | None = None,
 ) -> Result:
-    """Read the group `root/group` back as the dataclass `kind`, verified against its record as by `check`.
+    """Read a group of the store at `home` back as the dataclass `kind`, verified as by `check`.
 
     Raises
     ------
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    found, attributes = _load(root, group, arrays, metadata)
+    found, attributes = _load(home, group, arrays, metadata)
     values: dict[str, Any] = {}
     for field in dataclasses.fields(kind):  # type: ignore[arg-type]
         if "dims" in field.metadata:
@@ -120,14 +111,14 @@ def read(
 
 
 def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Return the arrays of one group of a run directory by name, and the group's attributes.
+    """Return the arrays of one group that a run rests on by name, and the group's attributes.
 
     Raises
     ------
     DamagedError
         If the group is missing or cannot be decoded.
     """
-    return _load(Path(directory) / STORE, group)
+    return _load(_home(directory, group), group)
 
 
 def check(directory: Path | str, record: Mapping[str, Any]) -> None:
@@ -138,7 +129,20 @@ def check(directory: Path | str, record: Mapping[str, Any]) -> None:
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    _load(Path(directory) / STORE, record["group"], record["arrays"], record.get("metadata"))
+    group = record["group"]
+    _load(_home(directory, group), group, record["arrays"], record.get("metadata"))
+
+
+def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":
+    """Return one array of a group that a run rests on, to be read in parts."""
+    place = location.at(_home(directory, group))
+    return zarr.open_array(place.zarr(f"{STORE}/{group}/{name}"), mode="r")
+
+
+def _home(directory: Path | str, group: str) -> records.Home:
+    """Return where a group of a run lies: with the run if it is there, else in the store outside."""
+    here, *outside = records.homes(directory)
+    return here if not outside or (Path(here) / STORE / group).is_dir() else outside[0]
 
 
 def checksum(array: NDArray[Any]) -> dict[str, Any]:
@@ -152,9 +156,9 @@ def checksum(array: NDArray[Any]) -> dict[str, Any]:
     }
 
 
-def clean(root: Path) -> None:
-    """Remove what writers that died have left aside; only while no other writer is at work."""
-    shutil.rmtree(root.with_name(root.name + ".partial"), ignore_errors=True)
+def clean(home: records.Home, older_than_s: float = 0.0) -> None:
+    """Remove what writers that died have left aside; where others may be at work, only what is old."""
+    location.at(home).clean(STORE, older_than_s)
 
 
 def _called(field: "dataclasses.Field[Any]", attribute: Callable[[str], Any]) -> str:
@@ -234,62 +238,15 @@ def _fill(dtype: np.dtype[Any]) -> Any:
     return np.nan if dtype.kind == "f" else 0
 
 
-def _make_parents(root: Path, group: str) -> None:
-    """Make the groups above `group`, so that the store can be walked from its root."""
-    level = root
-    for part in ("", *Path(group).parent.parts):
-        level = level / part
-        level.mkdir(parents=True, exist_ok=True)
-        if not (level / "zarr.json").exists():
-            temporary = level / f"zarr.json.{uuid.uuid4().hex}.partial"
-            temporary.write_text(_EMPTY_GROUP)
-            temporary.replace(level / "zarr.json")
-
-
-def _rename(partial: Path, place: Path, keep: Callable[[], bool]) -> None:
-    """Move a whole group to its place; one that is there stays if it is the same, or is to be kept."""
-    while True:
-        try:
-            partial.rename(place)
-            return
-        except OSError as error:
-            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
-                raise
-        if keep() or _same(partial, place):
-            shutil.rmtree(partial)
-            return
-        aside = partial.with_name(uuid.uuid4().hex)
-        try:
-            place.rename(aside)
-        except FileNotFoundError:  # another writer was as quick: try again
-            continue
-        shutil.rmtree(aside)
-
-
-def _same(one: Path, other: Path) -> bool:
-    """Return whether two directories hold the same files with the same bytes."""
-    files = [sorted(path.relative_to(top) for path in _files(top)) for top in (one, other)]
-    return files[0] == files[1] and all(
-        filecmp.cmp(one / path, other / path, shallow=False) for path in files[0]
-    )
-
-
-def _files(top: Path) -> Iterator[Path]:
-    for folder, _, names in os.walk(top):
-        for name in names:
-            yield Path(folder) / name
-
-
 def _load(
-    root: Path,
+    home: records.Home,
     group: str,
     expected: Mapping[str, Mapping[str, Any]] | None = None,
     metadata: str | None = None,
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Read a whole group through memory, and compare it with the checksums that its record expects."""
-    place = root / group
     prototype = default_buffer_prototype()
-    objects = {path.relative_to(place).as_posix(): path.read_bytes() for path in _files(place)}
+    objects = location.at(home).read_group(f"{STORE}/{group}")
     if metadata is not None and _metadata(objects) != metadata:
         raise DamagedError(f"{group}: is missing, or its metadata are not those recorded")
     try:

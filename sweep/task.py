@@ -33,12 +33,33 @@ CACHE_BYTES = 128 * 2**20
 
 @dataclass(frozen=True)
 class Place:
-    """Where the results of a run go and who asks for them; all that a task must know beside its units."""
+    """Where the results of a run go and who asks for them; all that a task must know beside its units.
+
+    Attributes
+    ----------
+    store
+        Where results go that cases share, if not to the directory as well.
+    """
 
     directory: str
     run_id: str
     kinds: str
     attempt: int = 1
+    store: str | None = None
+
+    @property
+    def homes(self) -> tuple[str, ...]:
+        """Where units may lie."""
+        return (self.directory, self.store) if self.store else (self.directory,)
+
+    def home(self, unit: Unit, kind: Kind) -> str:
+        """Return where a unit is written: what belongs to a case stays with the run."""
+        return self.directory if kind.scope(unit.inputs) == "case" else self.homes[-1]
+
+    def find(self, unit: Unit) -> tuple[str, dict[str, Any]] | None:
+        """Return where a unit lies and its commit record, or None where it has none."""
+        found = ((home, records.find(home, unit.kind, unit.id)) for home in self.homes)
+        return next(((home, record) for home, record in found if record is not None), None)
 
 
 @dataclass(frozen=True)
@@ -113,7 +134,7 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
     place
         Where results go.
     """
-    missing = [unit for unit in units if records.find(place.directory, unit.kind, unit.id) is None]
+    missing = [unit for unit in units if place.find(unit) is None]
     kinds = registry(place.kinds)
     started = _now()
     cpu = time.process_time()
@@ -129,7 +150,7 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
     except Exception as error:
         text = traceback.format_exc()
         for unit in missing:
-            if records.find(place.directory, unit.kind, unit.id) is None:
+            if place.find(unit) is None:
                 records.fail(place.directory, _failure(unit, place, started, text))
         message = f"{type(error).__name__}: {error}".partition("\n")[0]
         return Outcome(key, "failed", sum(done), time.process_time() - cpu, message)
@@ -142,7 +163,7 @@ def _compute(
     """Compute batch by batch, commit what each brings; yield per unit whether it is first, and warnings."""
     if not missing:
         return
-    batches = kinds[missing[0].kind].compute(missing, Reader(place.directory, kinds))
+    batches = kinds[missing[0].kind].compute(missing, Reader(place, kinds))
     while True:
         cpu, wall = time.process_time(), time.perf_counter()
         with cost.collect() as costs, warnings.catch_warnings(record=True) as caught:
@@ -155,14 +176,15 @@ def _compute(
         cautions = [str(each.message) for each in caught if issubclass(each.category, AccuracyWarning)]
         for unit, result in batch.items():
             shares = _share(unit, batch, costs, kinds)
-            yield _commit(unit, result, shares, cautions, place, started), cautions
+            home = place.home(unit, kinds[unit.kind])
+            yield _commit(unit, result, shares, cautions, place, home, started), cautions
 
 
 class Reader:
     """Reads results of units that are done, verified against their records."""
 
-    def __init__(self, directory: str, kinds: Mapping[str, Kind]) -> None:
-        self._directory = directory
+    def __init__(self, place: Place, kinds: Mapping[str, Kind]) -> None:
+        self._place = place
         self._kinds = kinds
 
     def __call__(self, unit: Unit) -> Any:
@@ -173,39 +195,46 @@ class Reader:
         WithdrawnError
             If it is damaged or not there; its record, if any, is taken back so that it is computed again.
         """
-        held = _cache.get((self._directory, unit.id))
+        held = _cache.get((self._place.directory, unit.id))
         if held is not None:
             return held
         with cost.stage("load"):
-            record = records.find(self._directory, unit.kind, unit.id)
             try:
-                if record is None:
-                    raise store.DamagedError(f"{unit.group}: has no record that can be read")
+                found = self._place.find(unit)
+                if found is None:
+                    raise store.DamagedError(f"{unit.kind}/{unit.id}: has no record that can be read")
+                home, record = found
                 result: Any = store.read(
-                    Path(self._directory) / store.STORE,
+                    home,
                     record["group"],
                     self._kinds[unit.kind].result,
                     record["arrays"],
                     record.get("metadata"),
                 )
             except store.DamagedError as error:
-                records.withdraw(self._directory, unit.kind, unit.id)
+                for home in self._place.homes:
+                    records.withdraw(home, unit.kind, unit.id)
                 raise WithdrawnError(str(error)) from error
-        _cache.put((self._directory, unit.id), result, _bytes(result))
+        _cache.put((self._place.directory, unit.id), result, _bytes(result))
         return result
 
 
 def _commit(
-    unit: Unit, result: Any, costs: list[dict[str, Any]], cautions: list[str], place: Place, started: str
+    unit: Unit,
+    result: Any,
+    costs: list[dict[str, Any]],
+    cautions: list[str],
+    place: Place,
+    home: str,
+    started: str,
 ) -> bool:
     """Store a result and write its record; return whether this record is the first."""
     cpu, wall = time.process_time(), time.perf_counter()
     written = store.write(
-        Path(place.directory) / store.STORE,
-        unit.group,
+        home,
+        f"{unit.kind}/{unit.id}",
         result,
         {"kind": unit.kind, "unit_id": unit.id, "model_version": railvib.MODEL_VERSION},
-        keep=lambda: records.find(place.directory, unit.kind, unit.id) is not None,
     )
     storing = {
         **vars(cost.StageCost("store", time.perf_counter() - wall, time.process_time() - cpu)),
@@ -215,13 +244,15 @@ def _commit(
     record = {
         **_head(unit, place, started),
         "status": "done",
-        "group": unit.group,
+        "group": written.group,
         "arrays": written.arrays,
         "metadata": written.metadata,
         "costs": [*costs, storing],
         "warnings": cautions,
     }
-    return records.commit(place.directory, record)
+    first = records.commit(home, record)
+    records.forget_failure(place.directory, unit.id)
+    return first
 
 
 def _failure(unit: Unit, place: Place, started: str, text: str) -> dict[str, Any]:

@@ -242,7 +242,7 @@ class Study:
     ) -> None:
         if records.find(self.directory, kind, unit_id):
             return
-        written = store.write(self.directory / store.STORE, f"{kind}/{unit_id}", result, {})
+        written = store.write(self.directory, f"{kind}/{unit_id}", result, {})
         cost = COSTS[kind] if cost is None else cost
         records.commit(
             self.directory,
@@ -252,7 +252,7 @@ class Study:
                 "kind": kind,
                 "model_version": "1",
                 "inputs": inputs,
-                "group": f"{kind}/{unit_id}",
+                "group": written.group,
                 "arrays": written.arrays,
                 "status": "done",
                 "worker": "worker-0",

@@ -31,6 +31,10 @@ def rows(directory):
         }
 
 
+def group(directory, unit_id):
+    return records.find(directory, unit_id.partition("-")[0], unit_id)["group"]
+
+
 def count(directory, table):
     with database.connect(directory) as connection:
         return connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
@@ -49,7 +53,7 @@ def test_every_case_band_and_line_arrives(study):
 def test_spectra_arrive_as_they_are_stored(study):
     directory = study.write(lines=50)
     ingest(directory)
-    arrays, attributes = store.read_arrays(directory, "spectra/spectra-1-150-full")
+    arrays, attributes = store.read_arrays(directory, group(directory, "spectra-1-150-full"))
     place = attributes["receiver"].index("rail")
     with database.connect(directory) as connection:
         found = connection.execute(
@@ -70,7 +74,7 @@ def test_spectra_arrive_as_they_are_stored(study):
 def test_receptances_are_those_under_the_load(study):
     directory = study.write()
     ingest(directory)
-    arrays, _ = store.read_arrays(directory, "receptance/receptance-1-150")
+    arrays, _ = store.read_arrays(directory, group(directory, "receptance-1-150"))
     with database.connect(directory) as connection:
         found = connection.execute(
             "SELECT frequency_hz, receptance_re, receptance_im, distance_m FROM receptances "
@@ -165,11 +169,11 @@ def test_a_soil_that_changed_its_meaning_has_a_row_for_each(study):
 @pytest.mark.parametrize("damage", ["missing chunk", "torn metadata"])
 def test_a_damaged_group_is_a_failure_and_the_rest_is_there(study, damage):
     directory = study.write()
-    group = directory / store.STORE / "spectra" / "spectra-0-150-full"
+    place = directory / store.STORE / group(directory, "spectra-0-150-full")
     if damage == "missing chunk":
-        shutil.rmtree(group / "mean_square" / "c")
+        shutil.rmtree(place / "mean_square" / "c")
     else:
-        (group / "zarr.json").write_text("torn")
+        (place / "zarr.json").write_text("torn")
     done = ingest(directory)
     assert done.unreadable == ("spectra-0-150-full",)
     with database.connect(directory) as connection:

@@ -42,8 +42,12 @@ def spectrum():
     )
 
 
-def write(root, spectrum, **more):
-    return store.write(root, "spectrum/1", spectrum, {"kind": "spectrum"}, **more)
+def write(home, spectrum):
+    return store.write(home, "spectrum/1", spectrum, {"kind": "spectrum"})
+
+
+def read(home, written):
+    return store.read(home, written.group, Spectrum, written.arrays)
 
 
 def assert_equal(one, other):
@@ -53,15 +57,15 @@ def assert_equal(one, other):
 
 
 def test_a_result_comes_back_bit_by_bit(tmp_path, spectrum):
-    written = write(tmp_path / "s.zarr", spectrum)
-    assert_equal(store.read(tmp_path / "s.zarr", "spectrum/1", Spectrum, written.arrays), spectrum)
-    files = [path for path in (tmp_path / "s.zarr" / "spectrum" / "1").rglob("*") if path.is_file()]
+    written = write(tmp_path, spectrum)
+    assert_equal(read(tmp_path, written), spectrum)
+    files = [path for path in (tmp_path / store.STORE / written.group).rglob("*") if path.is_file()]
     assert written.bytes_written == sum(path.stat().st_size for path in files)
 
 
 def test_plain_arrays_and_attributes(tmp_path, spectrum):
-    write(tmp_path / store.STORE, spectrum)
-    arrays, attributes = store.read_arrays(tmp_path, "spectrum/1")
+    written = write(tmp_path, spectrum)
+    arrays, attributes = store.read_arrays(tmp_path, written.group)
     np.testing.assert_array_equal(arrays["transfer"], spectrum.transfer)
     assert arrays.keys() == {"frequency", "transfer", "count", "constant"}
     assert attributes["receivers"] == ["rail", "ground"]
@@ -69,38 +73,39 @@ def test_plain_arrays_and_attributes(tmp_path, spectrum):
 
 
 def test_xarray_opens_it(tmp_path, spectrum):
-    write(tmp_path / "s.zarr", spectrum)
-    with xarray.open_zarr(tmp_path / "s.zarr" / "spectrum" / "1") as dataset:
+    written = write(tmp_path, spectrum)
+    with xarray.open_zarr(tmp_path / store.STORE / written.group) as dataset:
         assert dataset.transfer.dims == ("frequency", "node")
         assert dataset.transfer.attrs == {"units": "m2/N", "long_name": "transfer"}
         np.testing.assert_array_equal(dataset.transfer.values, spectrum.transfer)
 
 
 def test_the_store_can_be_walked_and_a_missing_chunk_is_nan(tmp_path, spectrum):
-    write(tmp_path / "s.zarr", spectrum)
-    array = zarr.open_group(tmp_path / "s.zarr", mode="r")["spectrum/1/transfer"]
+    written = write(tmp_path, spectrum)
+    array = zarr.open_group(tmp_path / store.STORE, mode="r")[f"{written.group}/transfer"]
     assert np.isnan(array.fill_value)
     assert array.chunks == (3, 5)
 
 
 def test_large_arrays_are_cut_along_rows(tmp_path, spectrum, monkeypatch):
     monkeypatch.setattr(store, "CHUNK_BYTES", 200)
-    written = write(tmp_path / "s.zarr", spectrum)
-    array = zarr.open_group(tmp_path / "s.zarr", mode="r")["spectrum/1/transfer"]
+    written = write(tmp_path, spectrum)
+    array = zarr.open_group(tmp_path / store.STORE, mode="r")[f"{written.group}/transfer"]
     assert array.chunks == (2, 5)
-    assert_equal(store.read(tmp_path / "s.zarr", "spectrum/1", Spectrum, written.arrays), spectrum)
+    assert_equal(read(tmp_path, written), spectrum)
 
 
 def test_arrays_of_wrong_shape_are_refused(tmp_path, spectrum):
     with pytest.raises(ValueError, match="transfer.*does not fit"):
-        write(tmp_path / "s.zarr", dataclasses.replace(spectrum, transfer=np.zeros(3)))
+        write(tmp_path, dataclasses.replace(spectrum, transfer=np.zeros(3)))
     with pytest.raises(ValueError, match="4 along frequency, others have 3"):
-        write(tmp_path / "s.zarr", dataclasses.replace(spectrum, count=np.arange(4)))
-    assert not (tmp_path / "s.zarr").exists()
+        write(tmp_path, dataclasses.replace(spectrum, count=np.arange(4)))
+    assert list(tmp_path.iterdir()) == []
 
 
-def damage(root, how):
-    path = root / "spectrum" / "1" / "transfer" / "c" / "0" / "0"
+def damage(home, written, how):
+    group = home / store.STORE / written.group
+    path = group / "transfer" / "c" / "0" / "0"
     if how == "flip":
         content = bytearray(path.read_bytes())
         content[10] ^= 1
@@ -110,32 +115,31 @@ def damage(root, how):
     elif how == "delete":
         path.unlink()
     elif how == "metadata":
-        (root / "spectrum" / "1" / "zarr.json").write_text("{")
+        (group / "zarr.json").write_text("{")
     elif how == "replace":
-        zarr.open_group(root / "spectrum" / "1", mode="r+")["transfer"][0, 0] = 7.0
+        zarr.open_group(group, mode="r+")["transfer"][0, 0] = 7.0
     return path
 
 
 @pytest.mark.parametrize("how", ["flip", "truncate", "delete", "metadata", "replace"])
 def test_damage_is_found_against_the_record(tmp_path, spectrum, how):
-    written = write(tmp_path / "s.zarr", spectrum)
-    damage(tmp_path / "s.zarr", how)
+    written = write(tmp_path, spectrum)
+    damage(tmp_path, written, how)
     with pytest.raises(store.DamagedError, match="spectrum/1"):
-        store.read(tmp_path / "s.zarr", "spectrum/1", Spectrum, written.arrays)
+        read(tmp_path, written)
 
 
 def test_altered_attributes_are_found_against_the_record(tmp_path, spectrum):
-    root = tmp_path / store.STORE
-    written = write(root, spectrum)
-    record = {"group": "spectrum/1", "arrays": written.arrays, "metadata": written.metadata}
+    written = write(tmp_path, spectrum)
+    record = {"group": written.group, "arrays": written.arrays, "metadata": written.metadata}
     store.check(tmp_path, record)
-    path = root / "spectrum" / "1" / "zarr.json"
+    path = tmp_path / store.STORE / written.group / "zarr.json"
     path.write_text(path.read_text().replace('"level": 2', '"level": 3'))
-    assert store.read(root, "spectrum/1", Spectrum, written.arrays).level == 3
+    assert read(tmp_path, written).level == 3
     with pytest.raises(store.DamagedError, match="metadata"):
         store.check(tmp_path, record)
     with pytest.raises(store.DamagedError, match="metadata"):
-        store.read(root, "spectrum/1", Spectrum, written.arrays, written.metadata)
+        store.read(tmp_path, written.group, Spectrum, written.arrays, written.metadata)
 
 
 def test_a_missing_group_is_damage(tmp_path):
@@ -143,24 +147,37 @@ def test_a_missing_group_is_damage(tmp_path):
         store.read_arrays(tmp_path, "spectrum/2")
 
 
-def test_an_unfinished_group_is_replaced(tmp_path, spectrum):
-    root = tmp_path / "s.zarr"
-    write(root, spectrum)
-    damage(root, "delete")
-    written = write(root, spectrum)
-    assert_equal(store.read(root, "spectrum/1", Spectrum, written.arrays), spectrum)
-    assert list((tmp_path / "s.zarr.partial").iterdir()) == []
+def test_a_damaged_group_is_replaced(tmp_path, spectrum):
+    damage(tmp_path, write(tmp_path, spectrum), "delete")
+    written = write(tmp_path, spectrum)
+    assert_equal(read(tmp_path, written), spectrum)
+    assert list((tmp_path / f"{store.STORE}.partial").iterdir()) == []
 
 
-def test_a_committed_group_is_kept(tmp_path, spectrum):
-    root = tmp_path / "s.zarr"
-    first = write(root, spectrum)
-    write(root, dataclasses.replace(spectrum, transfer=spectrum.transfer + 1.0), keep=lambda: True)
-    assert_equal(store.read(root, "spectrum/1", Spectrum, first.arrays), spectrum)
+def test_another_result_for_the_same_unit_leaves_the_first_one_alone(tmp_path, spectrum):
+    first = write(tmp_path, spectrum)
+    second = write(tmp_path, dataclasses.replace(spectrum, transfer=spectrum.transfer + 1.0))
+    assert first.group != second.group
+    assert_equal(read(tmp_path, first), spectrum)
+
+
+def test_the_same_result_again_changes_no_file(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+
+    def files():
+        return {path: path.stat().st_mtime_ns for path in (tmp_path / store.STORE).rglob("*")}
+
+    before = files()
+    assert write(tmp_path, spectrum) == written
+    assert files() == before
 
 
 def test_clean_removes_what_dead_writers_left(tmp_path, spectrum):
-    write(tmp_path / "s.zarr", spectrum)
-    (tmp_path / "s.zarr.partial" / "x").mkdir()
-    store.clean(tmp_path / "s.zarr")
-    assert [path.name for path in tmp_path.iterdir()] == ["s.zarr"]
+    written = write(tmp_path, spectrum)
+    left = tmp_path / f"{store.STORE}.partial" / "x"
+    left.mkdir()
+    store.clean(tmp_path, older_than_s=60.0)
+    assert left.exists()
+    store.clean(tmp_path)
+    assert not left.exists()
+    assert_equal(read(tmp_path, written), spectrum)

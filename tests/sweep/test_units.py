@@ -44,7 +44,7 @@ def test_stored_spectra_are_those_of_predict(computed):
         tolerance=1e-3,
     )
     for record in records.committed(computed / "out", "spectra"):
-        made = store.read(computed / "out" / store.STORE, record["group"], Spectra, record["arrays"])
+        made = store.read(computed / "out", record["group"], Spectra, record["arrays"])
         np.testing.assert_allclose(made.band, bands.midbands(4.0, 8.0))
         for receiver, offset in (("rail", np.nan), ("ground", 8.0)):
             (row,) = np.flatnonzero(

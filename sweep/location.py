@@ -1,0 +1,252 @@
+"""Where results lie: a folder of a file system, or a prefix of an S3 bucket, with the same few operations.
+
+What these promise is what the engine rests on. `create` is durable when it returns and the first one stays;
+what `put` leaves at its place is whole. Keys are paths below the location, with slashes.
+"""
+
+import errno
+import filecmp
+import os
+import re
+import shutil
+import time
+import uuid
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from railvib.errors import InputError
+
+if TYPE_CHECKING:
+    from zarr.abc.store import Store
+
+S3 = "s3://"
+ABANDONED_S = 24 * 3600.0
+"""Age at which what a writer has left aside is taken for abandoned, where others may be at work."""
+
+
+class Location(Protocol):
+    """A place for results."""
+
+    address: str
+
+    def read(self, key: str) -> bytes | None:
+        """Return the content at a key, or None where there is none."""
+
+    def read_many(self, keys: Iterable[str]) -> Iterator[bytes | None]:
+        """Yield the contents at some keys, in their order."""
+
+    def read_group(self, prefix: str) -> dict[str, bytes]:
+        """Return everything below a prefix, by the rest of the key."""
+
+    def names(self, prefix: str) -> list[str]:
+        """Return the names of what lies right below a prefix, folders without their slash; unsorted."""
+
+    def create(self, key: str, content: bytes) -> bool:
+        """Write at a key unless something is there; return whether this is what stands there now."""
+
+    def ensure(self, key: str, content: bytes) -> None:
+        """See that a key whose content never changes is there."""
+
+    def put(self, prefix: str, objects: Mapping[str, bytes | memoryview]) -> None:
+        """Write a whole group; `prefix` names its content, so that what is there is the same or damaged."""
+
+    def remove(self, key: str) -> None:
+        """Remove what is at a key, if anything is."""
+
+    def clean(self, prefix: str, older_than_s: float) -> None:
+        """Remove what writers that died have left aside of groups below a first part of keys."""
+
+    def zarr(self, prefix: str) -> "Path | Store":
+        """Return the group or array below a prefix for Zarr to read."""
+
+    def check(self) -> None:
+        """Check that the location can be used, without writing; raise InputError with the reason if not."""
+
+
+@lru_cache(64)
+def at(address: Path | str) -> Location:
+    """Return the location at a path or an address `s3://BUCKET/PREFIX`.
+
+    Raises
+    ------
+    InputError
+        If an address is not one, or the environment holds no credentials for it.
+    """
+    if not isinstance(address, str) or not address.startswith(S3):
+        return Folder(address)
+    from sweep.bucket import Bucket
+
+    return Bucket(address)
+
+
+def address(given: str) -> str:
+    """Return what a user gives for a place in the form that holds anywhere: an absolute path, or an address.
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+    """
+    if given.startswith(S3):
+        from sweep import bucket
+
+        return f"{S3}{'/'.join(bucket.parts(given))}"
+    scheme = re.match(r"^([A-Za-z][\w+.-]*)://", given)
+    if scheme:
+        raise InputError(f"--store = {scheme[0]}…: must be a path or {S3}BUCKET/PREFIX")
+    return str(Path(given).absolute())
+
+
+class Folder:
+    """A folder of a file system."""
+
+    def __init__(self, path: Path | str) -> None:
+        self._top = Path(path)
+        self.address = str(path)
+
+    def read(self, key: str) -> bytes | None:
+        """Return a file's content."""
+        try:
+            return (self._top / key).read_bytes()
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+
+    def read_many(self, keys: Iterable[str]) -> Iterator[bytes | None]:
+        """Yield the contents of files."""
+        return (self.read(key) for key in keys)
+
+    def read_group(self, prefix: str) -> dict[str, bytes]:
+        """Return all files below a folder."""
+        place = self._top / prefix
+        contents = {}
+        for path in _files(place):
+            with suppress(FileNotFoundError):  # just being replaced: the reader will find that it is missing
+                contents[path.relative_to(place).as_posix()] = path.read_bytes()
+        return contents
+
+    def names(self, prefix: str) -> list[str]:
+        """Return what a folder holds but for files that are being written."""
+        try:
+            with os.scandir(self._top / prefix) as entries:
+                return [entry.name for entry in entries if not entry.name.endswith(".partial")]
+        except (FileNotFoundError, NotADirectoryError):
+            return []
+
+    def create(self, key: str, content: bytes) -> bool:
+        """Write aside, sync, and link to the name, which fails where it is taken."""
+        path = self._top / key
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = self._write_aside(path, content)
+        try:
+            os.link(temporary, path)  # fails where the name is taken: the first wins, whoever is slower
+            first = True
+        except FileExistsError:
+            first = False
+        finally:
+            temporary.unlink()
+        _sync_folder(path.parent)
+        return first
+
+    def ensure(self, key: str, content: bytes) -> None:
+        """See that a file is there."""
+        if not (self._top / key).exists():
+            self.create(key, content)
+
+    def replace(self, key: str, content: bytes) -> None:
+        """Write a file in one step, whatever was there; durable when this returns."""
+        path = self._top / key
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._write_aside(path, content).replace(path)
+        _sync_folder(path.parent)
+
+    def put(self, prefix: str, objects: Mapping[str, bytes | memoryview]) -> None:
+        """Write a folder aside, and rename it to its place."""
+        partial = self._aside(prefix) / uuid.uuid4().hex
+        for key, content in objects.items():
+            path = partial / key
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        place = self._top / prefix
+        place.parent.mkdir(parents=True, exist_ok=True)
+        _rename(partial, place)
+
+    def remove(self, key: str) -> None:
+        """Remove a file."""
+        (self._top / key).unlink(missing_ok=True)
+
+    def zarr(self, prefix: str) -> Path:
+        """Return the path."""
+        return self._top / prefix
+
+    def check(self) -> None:
+        """Check that the folder, or the nearest one above it that exists, can be written to."""
+        nearest = next(path for path in (self._top, *self._top.absolute().parents) if path.exists())
+        if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
+            raise InputError(f"--store = {self.address!r}: {nearest} is no folder that can be written to")
+
+    def clean(self, prefix: str, older_than_s: float) -> None:
+        """Remove what writers that died have left aside of groups below a first part of keys."""
+        for name in self.names(self._aside(prefix).name):
+            path = self._aside(prefix) / name
+            with suppress(FileNotFoundError):
+                if time.time() - path.stat().st_mtime >= older_than_s:
+                    shutil.rmtree(path, ignore_errors=True)
+
+    def _aside(self, prefix: str) -> Path:
+        return self._top / f"{prefix.partition('/')[0]}.partial"
+
+    @staticmethod
+    def _write_aside(path: Path, content: bytes) -> Path:
+        """Write and sync a file beside `path` under a name of its own."""
+        temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
+        with temporary.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        return temporary
+
+
+def _rename(partial: Path, place: Path) -> None:
+    """Move a whole group to its place; one that is there stays if it is whole."""
+    while True:
+        try:
+            partial.rename(place)
+            return
+        except OSError as error:
+            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                raise
+        if _same(partial, place):
+            shutil.rmtree(partial)
+            return
+        aside = partial.with_name(uuid.uuid4().hex)
+        try:
+            place.rename(aside)
+        except FileNotFoundError:  # another writer was as quick: try again
+            continue
+        shutil.rmtree(aside)
+
+
+def _same(one: Path, other: Path) -> bool:
+    """Return whether two directories hold the same files with the same bytes."""
+    files = [sorted(path.relative_to(top) for path in _files(top)) for top in (one, other)]
+    return files[0] == files[1] and all(
+        filecmp.cmp(one / path, other / path, shallow=False) for path in files[0]
+    )
+
+
+def _files(top: Path) -> Iterator[Path]:
+    for folder, _, names in os.walk(top):
+        for name in names:
+            yield Path(folder) / name
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the names in a folder durable, not only the files behind them."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
