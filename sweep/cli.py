@@ -3,6 +3,7 @@
 What they need is imported when they run, so that asking for help, or for what is done already, stays quick.
 """
 
+import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from sweep.study import Resolved
 
 AFTER_RUN = "railvib.after_run"
+VERIFY = "railvib.verify"
 STUDY = click.Path(dir_okay=False, path_type=Path)
 DIRECTORY = click.Path(file_okay=False, path_type=Path)
 
@@ -71,76 +73,118 @@ def plan(study: Path, out: Path | None, store: str | None) -> None:
 @computing
 def run(study: Path, out: Path | None, store: str | None, **launch: Any) -> None:
     """Compute what is missing of STUDY, and publish the results."""
-    from sweep.run import prepare
-
     resolved = _load(study)
-    directory = out or _default_directory(resolved)
-    _run(prepare(resolved, directory, store), directory, launch)
+    _run(resolved, out or _default_directory(resolved), store, launch)
 
 
 @click.command()
 @click.argument("directory", type=DIRECTORY)
+@click.option("--failed", is_flag=True, help="Only what has failed, and what waited for it.")
 @STORED
 @computing
-def resume(directory: Path, store: str | None, **launch: Any) -> None:
-    """Compute what is missing or has failed of the latest run in DIRECTORY."""
-    from sweep import study
-    from sweep.run import prepare
-
-    manifest = _manifest(directory)
-    with _cautions():
-        resolved = study.resolve(manifest["study"])
-    _run(prepare(resolved, directory, store), directory, launch)
+def resume(directory: Path, failed: bool, store: str | None, **launch: Any) -> None:
+    """Compute what is missing, damaged or failed of the latest run in DIRECTORY."""
+    _run(_latest(directory), directory, store, launch, mend=True, only_failed=failed)
 
 
 @click.command()
 @click.argument("directory", type=DIRECTORY)
-def status(directory: Path) -> None:
+@click.option("--verify", is_flag=True, help="Read all results, and compare them with their checksums.")
+def status(directory: Path, verify: bool) -> None:
     """Show how far the latest run in DIRECTORY is, and what failed."""
-    from sweep import records
+    from sweep import status as state
 
     manifest = _manifest(directory)
-    present = records.present(directory)
-    needed = {
-        unit["unit_id"] for case in manifest["cases"] for units in case["units"].values() for unit in units
-    }
-    complete = [
-        case
-        for case in manifest["cases"]
-        if all(unit["unit_id"] in present for units in case["units"].values() for unit in units)
-    ]
-    ended = manifest["finished"] or "not finished"
-    click.echo(f"study     {manifest['study_name']}, run {manifest['run_id']} on {manifest['host']}")
-    click.echo(f"started   {manifest['started']}, {ended}, exit status {manifest['exit_status']}")
-    click.echo(f"cases     {len(complete)} of {len(manifest['cases'])} complete")
-    click.echo(f"units     {len(needed & present)} of {len(needed)} done")
-    failures = [record for record in records.failed(directory) if record["unit_id"] in needed]
-    click.echo(f"failures  {len(failures)}")
-    for record in failures:
-        click.echo(f"  {record['kind']}/{record['unit_id']}: {record['traceback'].strip().splitlines()[-1]}")
-    if needed - present:
+    for line in state.describe(directory, manifest):
+        click.echo(line)
+    faults = _faults(directory) if verify else []
+    if verify:
+        click.echo(f"damaged   {len(faults)}")
+    for fault in faults:
+        click.echo(f"  {fault}")
+    if (faults or manifest["exit_status"] != 0) and not state.alive(directory):
         click.echo(f"continue with: railvib resume {directory}")
+    sys.exit(1 if faults else 0)
 
 
-def _run(request: "Request", directory: Path, launch: Mapping[str, Any]) -> None:
+def _faults(directory: Path) -> list[str]:
+    """Return what is damaged of all that the latest run in a directory rests on, in a line each."""
+    from sweep.run import prepare
+    from sweep.verify import damaged
+
+    needed = prepare(_latest(directory), directory).plan.units.values()
+    found = [str(each) for each in damaged(directory, needed)]
+    if _manifest(directory)["finished"] is None:  # nothing has been published yet
+        return found
+    return found + [fault for hook in metadata.entry_points(group=VERIFY) for fault in hook.load()(directory)]
+
+
+def _run(
+    resolved: "Resolved",
+    directory: Path,
+    store: str | None,
+    launch: Mapping[str, Any],
+    mend: bool = False,
+    only_failed: bool = False,
+) -> None:
     """Compute, publish, and leave with the exit status."""
+    from sweep import lock, records, space
     from sweep.launch import Launch
-    from sweep.run import FAILED, INTERRUPTED, execute
+    from sweep.run import FAILED, INTERRUPTED, execute, prepare
 
+    request = prepare(resolved, directory, store)
     if request.plan.tasks:
         _check_plausibility(request)
-    tasks, cases = len(request.plan.tasks), len(request.cases)
-    click.echo(f"{cases} cases, {len(request.plan.units)} units, {tasks} tasks to run", err=True)
     try:
-        exit_status = execute(request, directory, Launch(**launch))
+        with lock.held(directory) as dead, _stoppable():
+            if dead:
+                click.echo(f"{dead} has ended without a word; what it has done is kept", err=True)
+            if mend:
+                _mend(request, directory)
+                request = prepare(resolved, directory, store, complete=True)
+            if only_failed:
+                failures = {record["unit_id"] for record in records.failed(directory)}
+                request = request.resting_on(failures)
+            tasks, cases = len(request.plan.tasks), len(request.cases)
+            click.echo(f"{cases} cases, {len(request.plan.units)} units, {tasks} tasks to run", err=True)
+            exit_status = execute(request, directory, Launch(**launch))
+            for hook in metadata.entry_points(group=AFTER_RUN):
+                hook.load()(directory)
     except KeyboardInterrupt:
         click.echo(f"interrupted; what is done is kept. Continue with: railvib resume {directory}", err=True)
         sys.exit(INTERRUPTED)
-    for hook in metadata.entry_points(group=AFTER_RUN):
-        hook.load()(directory)
+    except Exception as error:
+        if not space.exhausted(error):
+            raise
+        click.echo(
+            f"{directory}: {error}; what was stored before is whole. "
+            f"Make space, and continue with: railvib resume {directory}",
+            err=True,
+        )
+        sys.exit(FAILED)
     if exit_status == FAILED:
         click.echo(f"some tasks failed; see: railvib status {directory}", err=True)
     sys.exit(exit_status)
+
+
+def _mend(request: "Request", directory: Path) -> None:
+    """Take back what is damaged of the results that are there."""
+    from sweep.verify import withdraw
+
+    for each in withdraw(directory, request.plan.units.values()):
+        click.echo(f"damaged: {each}; it is computed again", err=True)
+    for hook in metadata.entry_points(group=VERIFY):
+        hook.load()(directory, repair=True)
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """Let the signal by which batch systems end a process stop it as cleanly as Ctrl-C does."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _check_plausibility(request: "Request") -> None:
@@ -169,6 +213,15 @@ def _cautions() -> Iterator[None]:
 
 def _default_directory(resolved: "Resolved") -> Path:
     return Path("runs") / resolved.study.study.name
+
+
+def _latest(directory: Path) -> "Resolved":
+    """Return the study of the latest run in a directory."""
+    from sweep import study
+
+    manifest = _manifest(directory)
+    with _cautions():
+        return study.resolve(manifest["study"])
 
 
 def _manifest(directory: Path) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import Protocol
 
 from sweep import records
 from sweep.plan import Plan, Task
+from sweep.space import NoSpaceError
 from sweep.task import Outcome, Place, execute, lost
 
 WINDOW_PER_WORKER = 16
@@ -92,6 +93,11 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
     -------
     Tally
         Its `failures` holds key and error of each task that failed.
+
+    Raises
+    ------
+    NoSpaceError
+        If a result could not be written; tasks that ran at that time have ended.
     """
     board = _Board(plan.tasks)
     tally = Tally(len(plan.tasks))
@@ -103,8 +109,11 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
         tally.starts += 1
         crew.submit(plan.tasks[key], at)
 
+    full = ""
     while True:
-        for key in board.take(max(0, WINDOW_PER_WORKER * crew.size - len(running))):
+        if full and not running:
+            raise NoSpaceError(full)
+        for key in board.take(0 if full else max(0, WINDOW_PER_WORKER * crew.size - len(running))):
             start(key, place)
         if not running and suspects:
             # A dead worker makes all it held suspect: alone, only the guilty one can die again.
@@ -120,6 +129,9 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
                 suspects.append(key)
                 continue
             task = plan.tasks[key]
+            if outcome is not None and outcome.status == "no space":
+                full = outcome.error
+                continue
             if outcome is None:
                 for unit in task.units:
                     records.fail(place.directory, lost(unit, place, LOST))

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterable, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sweep.kinds import Kind, Unit
 
@@ -35,8 +35,28 @@ class Plan:
     closure: Mapping[str, tuple[str, ...]]
     missing: Set[str] = field(default_factory=frozenset)
 
+    def resting_on(self, identities: Set[str]) -> "Plan":
+        """Return the plan without the tasks that no wanted unit needs which rests on one of these units."""
+        wanted = {
+            other
+            for closure in self.closure.values()
+            if not identities.isdisjoint(closure)
+            for other in closure
+        }
+        kept: set[str] = set()
+        for key in reversed(list(self.tasks)):  # with what a task needs, for whichever of its units
+            task = self.tasks[key]
+            if key in kept or any(unit.id in wanted for unit in task.units):
+                kept |= {key, *task.after}
+        tasks = {key: task for key, task in self.tasks.items() if key in kept}
+        return replace(
+            self, tasks=tasks, missing=frozenset(unit.id for task in tasks.values() for unit in task.units)
+        )
 
-def make(wanted: Iterable[Unit], kinds: Mapping[str, Kind], present: Set[str]) -> Plan:
+
+def make(
+    wanted: Iterable[Unit], kinds: Mapping[str, Kind], present: Set[str], complete: bool = False
+) -> Plan:
     """Plan what is missing of the wanted units and of all they need.
 
     Parameters
@@ -46,7 +66,9 @@ def make(wanted: Iterable[Unit], kinds: Mapping[str, Kind], present: Set[str]) -
     kinds
         What the engine knows of each kind.
     present
-        Ids of the units that are done. What only a unit that is done needs is not computed again.
+        Ids of the units that are done.
+    complete
+        Compute again also what only units need that are done.
     """
     needs: dict[str, tuple[str, ...]] = {}
     units: dict[str, Unit] = {}
@@ -68,7 +90,7 @@ def make(wanted: Iterable[Unit], kinds: Mapping[str, Kind], present: Set[str]) -
     missing: set[str] = set()
     for identity in reversed(units):
         # Missing is what is wanted itself or needed by something missing, which comes later and is decided.
-        if identity not in present and (identity in closure or identity in missing):
+        if identity not in present and (complete or identity in closure or identity in missing):
             missing.add(identity)
         if identity in missing:
             missing.update(other for other in needs[identity] if other not in present)

@@ -5,8 +5,8 @@ import os
 import platform
 import secrets
 import socket
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -18,6 +18,7 @@ from sweep import location, plan, records, units
 from sweep.host import host_class
 from sweep.kinds import Kind, Unit
 from sweep.launch import Launch
+from sweep.lock import LOCK
 from sweep.study import Case, Resolved
 
 LIBRARIES = (
@@ -55,8 +56,12 @@ class Request:
     plan: plan.Plan
     store: str | None = None
 
+    def resting_on(self, identities: Set[str]) -> "Request":
+        """Return the request with a plan for those results only that rest on one of these units."""
+        return replace(self, plan=self.plan.resting_on(identities))
 
-def prepare(resolved: Resolved, directory: Path, store: str | None = None) -> Request:
+
+def prepare(resolved: Resolved, directory: Path, store: str | None = None, complete: bool = False) -> Request:
     """Plan a study against what a directory and a store outside hold already; writes nothing.
 
     Parameters
@@ -67,6 +72,8 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None) -> Re
         Where its results are or shall be.
     store
         Path or address of the store outside; without one, that of the directory's latest run.
+    complete
+        Plan also what is missing of what finished results rest on.
 
     Raises
     ------
@@ -85,7 +92,8 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None) -> Re
         for case in cases
         for approach in resolved.study.approaches.compare
     }
-    return Request(resolved, cases, wanted, plan.make(wanted.values(), units.KINDS, present), store)
+    made = plan.make(wanted.values(), units.KINDS, present, complete)
+    return Request(resolved, cases, wanted, made, store)
 
 
 def check_directory(directory: Path, name: str) -> None:
@@ -96,7 +104,9 @@ def check_directory(directory: Path, name: str) -> None:
     InputError
         If it does not.
     """
-    if not directory.exists() or (directory.is_dir() and not any(directory.iterdir())):
+    if not directory.exists() or (
+        directory.is_dir() and {path.name for path in directory.iterdir()} <= {LOCK}
+    ):
         return
     try:
         other = records.Run.load(directory)["study_name"]
@@ -131,6 +141,9 @@ def execute(request: Request, directory: Path, launch: Launch) -> int:
     status = INTERRUPTED
     try:
         status = _compute(request, directory, run_id, launch)
+    except Exception:
+        status = FAILED
+        raise
     finally:
         manifest |= {"finished": _now(), "exit_status": status}
         records.Run.publish(directory, manifest)
@@ -155,7 +168,9 @@ def _compute(request: Request, directory: Path, run_id: str, launch: Launch) -> 
     from sweep.progress import Display, Log
 
     with Log(directory, run_id) as log:
-        log.write("planned", cases=len(request.cases), units=len(request.plan.units), tasks=len(tasks))
+        log.write(
+            "planned", cases=len(request.cases), units=len(request.plan.units), tasks=len(tasks), settled=0
+        )
         if not tasks:
             log.write("finished", done=0, failed=0, skipped=0)
             return DONE
@@ -166,6 +181,7 @@ def _compute(request: Request, directory: Path, run_id: str, launch: Launch) -> 
         if request.store:
             store.clean(request.store, location.ABANDONED_S)
         place = Place(str(directory.resolve()), run_id, units.__name__, store=request.store)
+        asked = {unit.id for task in tasks.values() for unit in task.units}
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
         with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__) as crew:
 
@@ -177,6 +193,8 @@ def _compute(request: Request, directory: Path, run_id: str, launch: Launch) -> 
                     cases=sorted({cases[unit.id] for unit in task.units if unit.id in cases}),
                     units=len(task.units),
                     cpu_s=round(outcome.cpu_s, 4),
+                    settled=tally.settled,
+                    tasks=tally.total,
                     **({"error": outcome.error} if outcome.error else {}),
                     **({"warnings": outcome.warnings} if outcome.warnings else {}),
                 )
@@ -187,7 +205,7 @@ def _compute(request: Request, directory: Path, run_id: str, launch: Launch) -> 
                     break
                 # A stored result was found damaged and withdrawn: a new plan makes it again.
                 log.write("repairing", tasks=tally.damaged)
-                again = prepare(request.resolved, directory, request.store).plan
+                again = prepare(request.resolved, directory, request.store).plan.resting_on(asked)
                 tally = engine.run(again, place, crew, report)
         log.write("finished", done=tally.done, failed=tally.failed, skipped=tally.skipped)
     return FAILED if tally.failed else DONE

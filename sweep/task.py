@@ -23,7 +23,7 @@ from typing import Any, Literal
 import railvib
 from railvib import cost
 from railvib.errors import PlausibilityWarning
-from sweep import records, store
+from sweep import records, space, store
 from sweep.host import host_class
 from sweep.kinds import AccuracyWarning, Kind, Unit, registry
 
@@ -70,7 +70,7 @@ class Outcome:
     ----------
     status
         ``done``, ``failed`` when the computation raised, ``damaged`` when a stored result that it needs was
-        not whole and has been withdrawn.
+        not whole and has been withdrawn, ``no space`` when nothing more could be written.
     computed
         How many units this attempt stored first.
     cpu_s
@@ -82,7 +82,7 @@ class Outcome:
     """
 
     key: str
-    status: Literal["done", "failed", "damaged"]
+    status: Literal["done", "failed", "damaged", "no space"]
     computed: int = 0
     cpu_s: float = 0.0
     error: str = ""
@@ -148,12 +148,17 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
     except WithdrawnError as error:
         return Outcome(key, "damaged", sum(done), time.process_time() - cpu, str(error))
     except Exception as error:
-        text = traceback.format_exc()
-        for unit in missing:
-            if place.find(unit) is None:
-                records.fail(place.directory, _failure(unit, place, started, text))
         message = f"{type(error).__name__}: {error}".partition("\n")[0]
-        return Outcome(key, "failed", sum(done), time.process_time() - cpu, message)
+        spent = time.process_time() - cpu
+        try:
+            if space.exhausted(error):
+                raise
+            _record_failure(missing, place, started, traceback.format_exc())
+        except Exception as fault:
+            if not space.exhausted(fault):
+                raise
+            return Outcome(key, "no space", sum(done), spent, str(fault))
+        return Outcome(key, "failed", sum(done), spent, message)
     return Outcome(key, "done", sum(done), time.process_time() - cpu, warnings=tuple(dict.fromkeys(cautions)))
 
 
@@ -253,6 +258,13 @@ def _commit(
     first = records.commit(home, record)
     records.forget_failure(place.directory, unit.id)
     return first
+
+
+def _record_failure(missing: Iterable[Unit], place: Place, started: str, text: str) -> None:
+    """Record the failure of the units that have not been stored."""
+    for unit in missing:
+        if place.find(unit) is None:
+            records.fail(place.directory, _failure(unit, place, started, text))
 
 
 def _failure(unit: Unit, place: Place, started: str, text: str) -> dict[str, Any]:

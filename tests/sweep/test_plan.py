@@ -76,3 +76,18 @@ def test_tasks_that_wait_for_each_other_are_an_error():
     )
     with pytest.raises(ValueError, match="wait for each other"):
         plan.make([toy.total(1)], toy.KINDS | {"square": square}, set())
+
+
+def test_the_part_of_a_plan_that_rests_on_some_units():
+    wanted = [toy.total(1, 2), toy.total(3, 9), toy.total(4, 5)]  # 2 and 3 are squared by one task
+    made = plan.make(wanted, toy.KINDS, set())
+    part = made.resting_on({toy.square(1).id})
+    assert part.missing == {wanted[0].id} | {toy.square(number).id for number in (1, 2, 3)}
+    assert all(task.after <= part.tasks.keys() for task in part.tasks.values())
+    assert made.resting_on(set()).tasks == {}
+
+
+def test_a_complete_plan_has_also_what_finished_units_rest_on():
+    wanted = toy.total(1, 2)
+    made = plan.make([wanted], toy.KINDS, {wanted.id, toy.square(1).id}, complete=True)
+    assert made.missing == {toy.square(2).id}

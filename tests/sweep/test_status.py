@@ -1,0 +1,124 @@
+import json
+import shutil
+
+import pytest
+
+from sweep import lock, records, store
+from tests.sweep.small import invoke
+from tests.sweep.test_lock import ended, leave
+
+
+@pytest.fixture
+def copy(computed, tmp_path, monkeypatch):
+    """Return a copy of the small study's finished run, published by nobody."""
+    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.cli.VERIFY", "none")
+    return shutil.copytree(computed / "out", tmp_path / "out")
+
+
+def unfinished(directory):
+    """Make a run look as one that is under way."""
+    manifest = records.Run.load(directory)
+    records.Run.publish(directory, manifest | {"finished": None, "exit_status": None})
+
+
+def arrays(directory):
+    return {record["unit_id"]: record["arrays"] for record in records.committed(directory)}
+
+
+def group(directory, kind, name):
+    """Return the folder of a group that has an array of this name, and its unit."""
+    record = next(record for record in records.committed(directory, kind) if name in record["arrays"])
+    return directory / store.STORE / record["group"], record["unit_id"]
+
+
+def chunk(folder, name):
+    return next(path for path in (folder / name / "c").rglob("*") if path.is_file())
+
+
+def test_a_finished_run(copy):
+    output = invoke("status", copy).output
+    assert "state     done, exit status 0" in output
+    assert "1 of 1 complete" in output
+    assert "resume" not in output
+
+
+def test_a_running_one(copy):
+    unfinished(copy)
+    lines = [json.loads(line) for line in (copy / "log.jsonl").read_text().splitlines()]
+    kept = [line for line in lines if line.get("settled", 0) <= 5 and line["event"] != "finished"]
+    (copy / "log.jsonl").write_text("".join(json.dumps(line) + "\n" for line in kept) + '{"torn')
+    with lock.held(copy):
+        output = invoke("status", copy).output
+    assert "state     running: process" in output
+    assert f"tasks     5 of {kept[0]['tasks']} settled" in output
+    assert "s left" in output
+    assert "resume" not in output
+
+
+def test_a_dead_one(copy):
+    unfinished(copy)
+    leave(copy, pid=ended())
+    output = invoke("status", copy).output
+    assert "state     dead: process" in output
+    assert f"railvib resume {copy}" in output
+
+
+def test_one_of_another_host(copy):
+    unfinished(copy)
+    leave(copy, host="elsewhere")
+    assert "on elsewhere" in invoke("status", copy).output
+
+
+def flip(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+def test_damage_is_found_told_and_made_good(copy):
+    before = arrays(copy)
+    spectra, flipped_unit = group(copy, "spectra", "psd")
+    flip(chunk(spectra, "psd"))
+    transfer, gone_unit = group(copy, "transfer", "wavenumber")
+    chunk(transfer, "wavenumber").unlink()
+    torn = next((copy / records.RECORDS / "receptance").iterdir())
+    torn.write_bytes(torn.read_bytes()[:-40])
+    integrals, altered_unit = group(copy, "line_integrals", "frequency")
+    flip(integrals / "zarr.json")
+    found = invoke("status", "--verify", copy)
+    assert found.exit_code == 1
+    assert "damaged   4" in found.output
+    for unit in (flipped_unit, gone_unit, torn.stem, altered_unit):
+        assert unit in found.output
+    assert f"railvib resume {copy}" in found.output
+    assert arrays(copy).keys() == before.keys() - {torn.stem}  # looking changes nothing
+    resumed = invoke("resume", copy, "--workers", 0)
+    assert resumed.exit_code == 0, resumed.output
+    assert resumed.output.count("damaged: ") == 4
+    assert arrays(copy) == before
+    assert invoke("status", "--verify", copy).exit_code == 0
+    assert "1 of 1 complete" in invoke("status", copy).output
+
+
+@pytest.mark.parametrize("how", ["deleted", "torn"])
+def test_the_database_is_derived(copy, monkeypatch, how):
+    from queries.ingest import ingest
+
+    ingest(copy)
+    monkeypatch.setattr("sweep.cli.VERIFY", "railvib.verify")
+    database = copy / "results.duckdb"
+    assert invoke("status", "--verify", copy).exit_code == 0
+    if how == "deleted":
+        database.unlink()
+    else:
+        content = bytearray(database.read_bytes())
+        for place in range(len(content) // 4, len(content), 4096):  # whatever is stored there
+            content[place] ^= 255
+        database.write_bytes(content)
+    found = invoke("status", "--verify", copy)
+    assert found.exit_code == 1
+    assert "results.duckdb" in found.output
+    assert invoke("resume", copy, "--workers", 0).exit_code == 0
+    ingest(copy)
+    assert invoke("status", "--verify", copy).exit_code == 0
