@@ -16,12 +16,15 @@ from railvib.errors import InputError
 from sweep.location import S3
 
 if TYPE_CHECKING:
+    from obstore.store import RetryConfig
     from zarr.abc.store import Store
 
 CONNECTIONS = 16
 """Requests to a bucket at the same time, per process."""
-RETRY_TIME = timedelta(seconds=60)
-"""How long a bucket that does not answer is asked again before a task fails."""
+PATIENT: "RetryConfig" = {"max_retries": 10, "retry_timeout": timedelta(minutes=3)}
+"""How often and how long a bucket that does not answer is asked again before a task fails."""
+BRIEF: "RetryConfig" = {"max_retries": 2, "retry_timeout": timedelta(seconds=20)}
+"""The same before a run, where somebody waits to hear what is wrong."""
 CREDENTIALS = (
     ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"),
     ("AWS_WEB_IDENTITY_TOKEN_FILE",),
@@ -52,9 +55,9 @@ class Bucket:
         self._store = self._open([])
         self._ensured: set[str] = set()
 
-    def _open(self, below: list[str]) -> S3Store:
+    def _open(self, below: list[str], retries: "RetryConfig" = PATIENT) -> S3Store:
         prefix = "/".join([*self._prefix, *below])
-        return S3Store(self._bucket, prefix=prefix or None, retry_config={"retry_timeout": RETRY_TIME})
+        return S3Store(self._bucket, prefix=prefix or None, retry_config=retries)
 
     def read(self, key: str) -> bytes | None:
         """Return an object's content."""
@@ -121,7 +124,7 @@ class Bucket:
     def check(self) -> None:
         """Ask for the first key, which tells whether the bucket is there and lets us in."""
         try:
-            next(iter(obstore.list(self._store, chunk_size=1)), None)
+            next(iter(obstore.list(self._open([], BRIEF), chunk_size=1)), None)
         except (BaseError, OSError) as error:
             raise InputError(f"--store = {self.address!r}: {_reason(str(error))}") from None
 
