@@ -1,4 +1,4 @@
-"""The results of a run: a database derived from its records, comparisons, figures and a report."""
+"""The results of runs: a database derived from their records, comparisons, figures and a report."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,18 +8,39 @@ if TYPE_CHECKING:
 
 
 class Results:
-    """The published results of a run directory, for a notebook; every answer is a pandas DataFrame."""
+    """Published results, for a notebook; every answer is a pandas DataFrame."""
 
-    def __init__(self, directory: Path | str) -> None:
+    def __init__(self, named: Path | str) -> None:
         from queries import database
 
-        self._connection = database.connect(directory)
+        self._connection = database.connect(named)
+
+    def __enter__(self) -> "Results":
+        """Return itself; leaving the block lets go of the database."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def sql(self, statement: str, parameters: tuple[Any, ...] = ()) -> "pandas.DataFrame":
         """Return the answer to one statement that reads."""
         from queries.sql import query
 
         return query(self._connection, statement, parameters).fetchdf()
+
+    def ask(self, name: str, folder: Path | str | None = None, **parameters: Any) -> "pandas.DataFrame":
+        """Return the answer to a question that has a name, see `railvib queries`."""
+        from queries.questions import question
+        from queries.sql import query
+
+        asked = question(name, None if folder is None else Path(folder))
+        values = asked.values({key: str(value) for key, value in parameters.items()})
+        return query(self._connection, asked.sql, values).fetchdf()
+
+    @property
+    def cases(self) -> "pandas.DataFrame":
+        """Cases with the physical parameters by which they can be grouped, SI units."""
+        return self.sql("FROM case_parameters")
 
     @property
     def levels(self) -> "pandas.DataFrame":
@@ -36,20 +57,25 @@ class Results:
         """Cost of each case and approach."""
         return self.sql("FROM runtime")
 
+    @property
+    def tradeoff(self) -> "pandas.DataFrame":
+        """Error of each case and approach beside its cost."""
+        return self.sql("FROM tradeoff")
+
     def close(self) -> None:
         """Let go of the database."""
         self._connection.close()
 
 
-def open(directory: Path | str) -> Results:
-    """Return the published results of a run directory.
+def open(named: Path | str) -> Results:
+    """Return the published results of a run directory or a database file.
 
     Raises
     ------
     queries.database.ResultsError
-        If the directory holds none.
+        If there are none.
     """
-    return Results(directory)
+    return Results(named)
 
 
 def after_run(directory: Path | str) -> None:

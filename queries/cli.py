@@ -1,4 +1,4 @@
-"""The sub-commands of `railvib` about results: ingest, sql, compare, report."""
+"""The sub-commands of `railvib` about results: ingest, sql, queries, compare, figures, report, export."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -7,13 +7,13 @@ from typing import Any
 
 import click
 
-_DIRECTORY = click.argument("directory", type=click.Path(path_type=Path), metavar="DIR")
-_CONTRIBUTION = click.option(
-    "--contribution",
-    type=click.Choice(["dynamic", "quasi-static", "total"]),
-    default="dynamic",
-    show_default=True,
-    help="Part of the response to compare.",
+_PATH = click.Path(path_type=Path)
+_RESULTS = click.argument("named", type=_PATH, metavar="RESULTS")
+_FORMAT = click.option(
+    "--format", "form", type=click.Choice(["table", "csv", "parquet"]), default="table", show_default=True
+)
+_OUTPUT = click.option(
+    "--output", type=click.Path(path_type=Path, dir_okay=False), help="File to write instead of printing."
 )
 
 
@@ -39,76 +39,197 @@ def _one_line_errors(command: Callable[..., None]) -> Callable[..., None]:
 
 
 @click.command()
-@_DIRECTORY
-@click.option("--rebuild", is_flag=True, help="Make the database anew even if nothing changed.")
+@click.argument("directories", nargs=-1, type=_PATH, metavar="[DIR]...")
+@click.option(
+    "--database",
+    "file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="File for the results of several runs, hosts or versions. Default: results.duckdb in DIR.",
+)
+@click.option("--rebuild", is_flag=True, help="Make the database anew, from these directories alone.")
 @_one_line_errors
-def ingest(directory: Path, rebuild: bool) -> None:
-    """Derive results.duckdb of the run directory DIR from its records and its store."""
+def ingest(directories: tuple[Path, ...], file: Path | None, rebuild: bool) -> None:
+    """Derive a database from the records and the store of each run directory DIR.
+
+    With --database FILE, results of earlier directories stay in it; without a DIR those it has are brought
+    up to date.
+    """
     from queries.ingest import ingest as derive
 
-    done = derive(directory, rebuild)
-    click.echo(f"{done.path}: {'made anew' if done.changed else 'up to date'}")
-    for unit in done.unreadable:
+    done = derive(directories, rebuild, file)
+    if done.backup is not None:
+        click.echo(f"{done.backup}: copy of the file as it was, of an earlier form")
+    click.echo(f"{done.path}: {'written' if done.changed else 'up to date'}")
+    for directory, unit in done.unreadable:
         click.echo(
-            f"warning: the arrays of {unit} cannot be read; `railvib resume` computes them again", err=True
+            f"warning: the arrays of {unit} cannot be read; `railvib resume {directory}` computes them again",
+            err=True,
         )
 
 
 @click.command()
-@_DIRECTORY
+@_RESULTS
 @click.argument("statement", metavar="SQL")
-@click.option(
-    "--format", "form", type=click.Choice(["table", "csv", "parquet"]), default="table", show_default=True
-)
-@click.option(
-    "--output", type=click.Path(path_type=Path, dir_okay=False), help="File to write instead of printing."
-)
+@_FORMAT
+@_OUTPUT
 @_one_line_errors
-def sql(directory: Path, statement: str, form: str, output: Path | None) -> None:
-    """Ask the results of the run directory DIR one question in SQL; nothing can be changed."""
+def sql(named: Path, statement: str, form: str, output: Path | None) -> None:
+    """Ask RESULTS, a run directory or a database file, one question in SQL; nothing can be changed."""
     from queries.sql import answer
 
-    answer(directory, statement, form, output)
+    answer(named, statement, form, output)
 
 
 @click.command()
-@_DIRECTORY
+@click.argument("name", required=False)
+@click.argument("named", type=_PATH, metavar="[RESULTS]", required=False)
+@click.option(
+    "--set", "given", multiple=True, metavar="NAME=VALUE", help="Value of a parameter of the question."
+)
+@click.option(
+    "--folder",
+    type=_PATH,
+    envvar="RAILVIB_QUERIES",
+    help="Folder with .sql files of your own; also the environment variable RAILVIB_QUERIES.",
+)
+@_FORMAT
+@_OUTPUT
+@_one_line_errors
+def queries(
+    name: str | None,
+    named: Path | None,
+    given: tuple[str, ...],
+    folder: Path | None,
+    form: str,
+    output: Path | None,
+) -> None:
+    """List questions that have a name, show the SQL of question NAME, or ask it of RESULTS."""
+    from queries import database, questions
+    from queries.sql import answer
+
+    if name is None:
+        for each in questions.questions(folder).values():
+            click.echo(f"{click.style(each.name, bold=True)}\n    {each.sentence}")
+        click.echo("\nrailvib queries NAME shows the SQL, railvib queries NAME RESULTS the answer.")
+        return
+    asked = questions.question(name, folder)
+    if named is None:
+        click.echo(f"-- {asked.sentence}")
+        for key, parameter in asked.parameters.items():
+            click.echo(f"-- ${key} = {parameter.default!r}: {parameter.meaning}")
+        click.echo(asked.sql)
+        return
+    values = {}
+    for setting in given:
+        key, sign, value = setting.partition("=")
+        if not sign:
+            raise database.ResultsError(f"--set {setting}: must be NAME=VALUE")
+        values[key] = value
+    answer(named, asked.sql, form, output, asked.values(values))
+
+
+@click.command()
+@_RESULTS
 @click.argument("approach", required=False)
 @click.argument("reference", required=False)
-@_CONTRIBUTION
+@click.option(
+    "--by", metavar="AXIS,...", help="What to group by, such as soil,speed,band. Default: case and receiver."
+)
+@click.option(
+    "--contribution",
+    type=click.Choice(["dynamic", "quasi-static", "total"]),
+    default="dynamic",
+    show_default=True,
+    help="Part of the response to compare.",
+)
+@click.option(
+    "--with",
+    "other",
+    metavar="OTHER",
+    help="Compare with another run instead: a run directory, a database file, or the id of a run in RESULTS.",
+)
+@click.option(
+    "--run", "run_id", help="Run of RESULTS to compare with OTHER. Default: the newest of each case."
+)
 @_one_line_errors
-def compare(directory: Path, approach: str | None, reference: str | None, contribution: str) -> None:
+def compare(
+    named: Path,
+    approach: str | None,
+    reference: str | None,
+    by: str | None,
+    contribution: str,
+    other: str | None,
+    run_id: str | None,
+) -> None:
     """Show the error of each approach against the reference, and what it costs.
 
-    With APPROACH and REFERENCE only that pair. Errors are the level of the approach minus that of the
-    reference.
+    RESULTS is a run directory or a database file. With APPROACH and REFERENCE only that pair is shown;
+    errors are the level of the approach minus that of the reference. With --with OTHER they are the levels of
+    RESULTS minus those of OTHER.
     """
     from rich.console import Console
 
-    from queries import compare as comparison
     from queries import database, publication
-    from queries.ingest import ingest as derive
+    from queries.database import ResultsError
 
-    derive(directory)
-    with database.connect(directory) as connection:
-        known = comparison.approaches(connection)
-        for name in (approach, reference):
-            if name is not None and name not in known:
-                raise database.ResultsError(
-                    f"{name}: no such approach in {directory}, which has {', '.join(known)}"
-                )
-        pair = None if approach is None else (approach, reference or comparison.reference(connection))
-        publication.show(connection, directory, Console(), pair, contribution)
+    axes = tuple(part.strip() for part in by.split(",")) if by else None
+    if other is not None and approach is not None:
+        raise ResultsError("--with: two runs are compared approach by approach; name no APPROACH")
+    if run_id is not None and other is None:
+        raise ResultsError("--run: goes with --with OTHER")
+    publication.refresh(named)
+    if other is not None:
+        publication.show_runs(named, other, run_id, Console(), axes, contribution)
+        return
+    with database.connect(named) as connection:
+        publication.show(
+            connection, database.locate(named), Console(), approach, reference, axes, contribution
+        )
 
 
 @click.command()
-@_DIRECTORY
+@_RESULTS
+@click.option("--format", "form", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
+@click.option(
+    "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder. Default: figures in DIR."
+)
 @_one_line_errors
-def report(directory: Path) -> None:
-    """Draw the figures of the run directory DIR anew and write its report.html."""
+def figures(named: Path, form: str, output: Path | None) -> None:
+    """Draw the figures of RESULTS, a run directory or a database file, for print."""
     from queries import database, publication
-    from queries.ingest import ingest as derive
+    from queries.figures import publish
 
-    derive(directory)
-    with database.connect(directory) as connection:
-        click.echo(publication.publish_report(connection, directory))
+    publication.refresh(named)
+    place = database.locate(named)
+    for figure in publish(place.path, output or place.figures, form):
+        click.echo(figure)
+
+
+@click.command()
+@_RESULTS
+@click.option(
+    "--output", type=click.Path(path_type=Path, dir_okay=False), help="File. Default: report.html in DIR."
+)
+@_one_line_errors
+def report(named: Path, output: Path | None) -> None:
+    """Write the report of RESULTS, a run directory or a database file: one page that needs no network."""
+    from queries import database, publication
+    from queries.report import write
+
+    publication.refresh(named)
+    with database.connect(named) as connection:
+        click.echo(write(connection, output or database.locate(named).report))
+
+
+@click.command()
+@_RESULTS
+@click.argument("folder", type=_PATH)
+@_one_line_errors
+def export(named: Path, folder: Path) -> None:
+    """Write RESULTS, a run directory or a database file, as Parquet files into the new FOLDER."""
+    from queries import publication
+    from queries.export import export as write
+
+    publication.refresh(named)
+    for written in write(named, folder):
+        click.echo(folder / written)

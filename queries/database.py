@@ -1,112 +1,164 @@
-"""The results database of a run directory: where it lies, how it is made and how it is read.
+"""Where results lie and how they are read: the database of a run directory, or one file of many runs.
 
 What is published is a snapshot: it is written aside and put in place by one rename, so a reader has all of
 one snapshot and is never blocked. Every connection for reading is closed in itself: the file is attached
 read-only, no other file can be reached, and the configuration cannot be changed.
 """
 
-import hashlib
-from collections.abc import Sequence
-from importlib import resources
+from dataclasses import dataclass
 from pathlib import Path
 
 import duckdb
 
+from queries import schema
+
 DATABASE = "results.duckdb"
-STORAGE_VERSION = "v1.4.0"
-"""Oldest DuckDB whose readers open the files; newer ones read them as well."""
 
 
 class ResultsError(Exception):
     """A request about results that cannot be met; its message is one line."""
 
 
-def create(path: Path, keep: Sequence[str] = ()) -> duckdb.DuckDBPyConnection:
-    """Create a database file with all tables and views, and return a connection for writing it.
+@dataclass(frozen=True)
+class Place:
+    """Where results lie: a database file, and what is made of it beside it.
 
-    Parameters
+    Attributes
     ----------
+    named
+        What the user called it.
     path
-        The file.
-    keep
-        If given, the file is there in its present form, and all tables but these are emptied.
+        The database file.
+    directory
+        The run directory whose own database it is; None for a file of its own.
     """
-    connection = duckdb.connect(str(path), config={"storage_compatibility_version": STORAGE_VERSION})
-    connection.begin()  # hundreds of statements: one by one, each would wait for the disk
-    if keep:
-        tables = connection.execute("SELECT table_name FROM duckdb_tables()").fetchall()
-        for (table,) in tables:
-            if table not in (*keep, "schema_version"):
-                connection.execute(f"DELETE FROM {table}")
-    else:
-        for version, name, text in migrations():
-            connection.execute(text)
-            connection.execute("INSERT INTO schema_version VALUES (?, ?, ?)", [version, name, form_id()])
-        connection.execute(_views())
-    connection.commit()
-    return connection
+
+    named: Path
+    path: Path
+    directory: Path | None
+
+    @property
+    def figures(self) -> Path:
+        """Folder of the figures."""
+        return self._beside("figures", "-figures")
+
+    @property
+    def report(self) -> Path:
+        """File of the report."""
+        return self._beside("report.html", ".html")
+
+    def _beside(self, within: str, ending: str) -> Path:
+        return self.directory / within if self.directory else self.path.with_name(self.path.stem + ending)
 
 
-def migrations() -> list[tuple[int, str, str]]:
-    """Return number, name and SQL of every migration, in their order."""
-    folder = resources.files("queries") / "migrations"
-    files = sorted((file for file in folder.iterdir() if file.name[:3].isdigit()), key=lambda file: file.name)
-    return [(int(file.name[:3]), file.name.removesuffix(".sql")[4:], file.read_text()) for file in files]
-
-
-def form() -> str:
-    """Return the SQL of all tables and views: what the form of a file follows from."""
-    return "\n".join([*(text for _, _, text in migrations()), _views()])
-
-
-def form_id() -> str:
-    """Return the sha256 of `form`."""
-    return hashlib.sha256(form().encode()).hexdigest()
-
-
-def _views() -> str:
-    return (resources.files("queries") / "migrations" / "views.sql").read_text()
-
-
-def connect(directory: Path | str) -> duckdb.DuckDBPyConnection:
-    """Return a connection that can only read the published snapshot of a run directory.
+def locate(named: Path | str) -> Place:
+    """Return where the results lie that a user names: a run directory or a database file.
 
     Raises
     ------
     ResultsError
-        If there is no run directory, no database in it, or the file cannot be opened.
+        If it is neither.
     """
-    path = Path(directory) / DATABASE
-    check_run(directory)
+    named = Path(named)
+    if named.is_file():
+        return Place(named, named, None)
+    check_run(named)
+    return Place(named, named / DATABASE, named)
+
+
+def connect(named: Path | str, other: Path | str | None = None) -> duckdb.DuckDBPyConnection:
+    """Return a connection that can only read the published results of a run directory or a database file.
+
+    Parameters
+    ----------
+    named
+        Run directory or database file.
+    other
+        Another one, whose tables and views appear with the prefix `other.`.
+
+    Raises
+    ------
+    ResultsError
+        If there is no run directory, no database in it, or the file cannot be read by this version.
+    """
+    return attach(_published(named), None if other is None else _published(other))
+
+
+def _published(named: Path | str) -> Path:
+    path = locate(named).path
     if not path.is_file():
         raise ResultsError(
-            f"{directory}: holds no {DATABASE} yet; `railvib ingest {directory}` makes it from the records"
+            f"{named}: holds no {DATABASE} yet; `railvib ingest {named}` makes it from the records"
         )
-    return attach(path)
+    return path
 
 
-def attach(path: Path) -> duckdb.DuckDBPyConnection:
-    """Return a read-only connection to one database file.
+def attach(path: Path, other: Path | None = None, anyform: bool = False) -> duckdb.DuckDBPyConnection:
+    """Return a read-only connection to one database file, or to two.
 
     The file is attached to a connection of its own rather than opened: DuckDB shares an opened file within a
     process by its name, which would show the old snapshot after a new one has taken its place.
+
+    Parameters
+    ----------
+    path, other
+        The files; the first is the one that names mean, the second has the prefix `other.`.
+    anyform
+        Accept a file whose tables and views are those of another version.
     """
     connection = duckdb.connect(
         ":memory:",
         config={"python_enable_replacements": False, "temp_directory": "", "preserve_insertion_order": True},
     )
+    at = path
     try:
-        name = str(path).replace("'", "''")
-        connection.execute(f"ATTACH '{name}' AS results (READ_ONLY)")
-        connection.execute("USE results")
+        for at, name in (*([] if other is None else [(other, "other")]), (path, "results")):
+            quoted = str(at).replace("'", "''")
+            connection.execute(f"ATTACH '{quoted}' AS {name} (READ_ONLY)")
+            connection.execute(f"USE {name}")
+            if not anyform:
+                _check_version(connection, at)
         connection.execute("SET enable_external_access = false")
         connection.execute("SET autoinstall_known_extensions = false")
         connection.execute("SET autoload_known_extensions = false")
         connection.execute("SET lock_configuration = true")
     except duckdb.Error as error:
         connection.close()
-        raise ResultsError(f"{path}: cannot be read: {str(error).splitlines()[0]}") from error
+        raise ResultsError(f"{at}: cannot be read: {str(error).splitlines()[0]}") from error
+    except ResultsError:
+        connection.close()
+        raise
     return connection
+
+
+def _check_version(connection: duckdb.DuckDBPyConnection, path: Path) -> None:
+    """Refuse a file whose tables or views are not those of this version."""
+    found = schema.version(connection)
+    if found == 0:
+        raise ResultsError(f"{path}: is no database of results")
+    if found > schema.latest():
+        raise ResultsError(
+            f"{path}: is of form {found}, written by a newer railvib; this one knows form {schema.latest()}"
+        )
+    if not is_present_form(connection):
+        raise ResultsError(
+            f"{path}: is of an earlier railvib (form {found} of {schema.latest()}); "
+            "`railvib ingest` brings it up to date"
+        )
+
+
+def is_present_form(connection: duckdb.DuckDBPyConnection) -> bool:
+    """Return whether a file has the tables and views of this version."""
+    forms = connection.execute("SELECT DISTINCT form FROM schema_version").fetchall()
+    return schema.version(connection) == schema.latest() and forms == [(schema.form_id(),)]
+
+
+def snapshot(connection: duckdb.DuckDBPyConnection) -> tuple[str, str]:
+    """Return digests of the records behind a database, and of what its levels and figures depend on."""
+    row = connection.execute(
+        "SELECT (SELECT md5(string_agg(fingerprint, '' ORDER BY source)) FROM sources), results FROM snapshot"
+    ).fetchone()
+    return (str(row[0]), str(row[1])) if row else ("", "")
 
 
 def check_run(directory: Path | str) -> None:
@@ -118,6 +170,6 @@ def check_run(directory: Path | str) -> None:
         If the directory is missing or holds no run.
     """
     if not Path(directory).is_dir():
-        raise ResultsError(f"{directory}: no such directory")
+        raise ResultsError(f"{directory}: no such directory or database file")
     if not (Path(directory) / "run.json").is_file():
         raise ResultsError(f"{directory}: is not the output directory of a run, it holds no run.json")

@@ -16,7 +16,7 @@ import duckdb
 import numpy as np
 from numpy.typing import NDArray
 
-from queries import compare, plots
+from queries import compare, database, plots
 from queries.plots import Combination
 
 if TYPE_CHECKING:
@@ -38,56 +38,41 @@ class Drawing:
     draw: Callable[[], "Figure"]
 
 
-@dataclass(frozen=True)
-class Published:
-    """A figure as a file."""
-
-    path: Path
-    caption: str
-
-
-def publish(
-    connection: duckdb.DuckDBPyConnection, directory: Path | str, kind: str = "png"
-) -> list[Published]:
-    """Draw every figure of a run into DIR/figures and return the files; those of an earlier state go.
+def publish(path: Path, folder: Path, kind: str = "png") -> list[Path]:
+    """Draw every figure of a database into a folder and return the files; those of an earlier state go.
 
     Parameters
     ----------
-    connection
-        Results of the run.
-    directory
-        Its output directory.
+    path
+        The database.
+    folder
+        Made if missing.
     kind
         png, svg or pdf.
     """
-    folder = Path(directory) / FOLDER
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     published = []
-    for drawing in drawings(connection, directory):
-        path = folder / f"{drawing.name}.{kind}"
-        metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
-        partial = path.with_name(f"{path.name}.partial")
-        # Half the time of writing a PNG goes into its last tenth of size.
-        options: dict[str, Any] = {"pil_kwargs": {"compress_level": 4}} if kind == "png" else {}
-        drawing.draw().savefig(partial, format=kind, metadata=metadata, **options)
-        partial.replace(path)
-        published.append(Published(path, drawing.caption))
-    for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - {figure.path for figure in published}:
+    with database.attach(path) as connection:
+        for drawing in drawings(connection):
+            file = folder / f"{drawing.name}.{kind}"
+            metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
+            partial = file.with_name(f"{file.name}.partial")
+            # Half the time of writing a PNG goes into its last tenth of size.
+            options: dict[str, Any] = {"pil_kwargs": {"compress_level": 4}} if kind == "png" else {}
+            drawing.draw().savefig(partial, format=kind, metadata=metadata, **options)
+            partial.replace(file)
+            published.append(file)
+    for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - set(published):
         old.unlink()
     return published
 
 
-def drawn(connection: duckdb.DuckDBPyConnection, directory: Path | str) -> list[Published] | None:
-    """Return the PNG files of all figures without drawing them, or None if one is missing."""
-    folder = Path(directory) / FOLDER
-    found = [
-        Published(folder / f"{drawing.name}.png", drawing.caption)
-        for drawing in drawings(connection, directory)
-    ]
-    return found if all(figure.path.is_file() for figure in found) else None
+def drawn(connection: duckdb.DuckDBPyConnection, folder: Path) -> bool:
+    """Return whether the PNG files of all figures are there."""
+    return all((folder / f"{drawing.name}.png").is_file() for drawing in drawings(connection))
 
 
-def drawings(connection: duckdb.DuckDBPyConnection, directory: Path | str) -> list[Drawing]:
+def drawings(connection: duckdb.DuckDBPyConnection) -> list[Drawing]:
     """Return the figures that the results allow, in the order of their numbers."""
     found = connection.execute("SELECT soil, track, train, unevenness, speed_kmh FROM cases").fetchall()
     soils = _unique(row[0] for row in found)
@@ -105,7 +90,7 @@ def drawings(connection: duckdb.DuckDBPyConnection, directory: Path | str) -> li
     plan = [
         *_unevenness(connection, names),
         *_receptances(connection, names, soils),
-        *_cases(connection, Path(directory), names, soils, combinations),
+        *_cases(connection, names, soils, combinations),
     ]
     return [
         Drawing(drawing.name, drawing.caption + shown, drawing.draw)
@@ -193,12 +178,18 @@ def _receptances(connection: duckdb.DuckDBPyConnection, names: _Names, soils: li
 
 def _cases(
     connection: duckdb.DuckDBPyConnection,
-    directory: Path,
     names: _Names,
     soils: list[str],
     combinations: list[Combination],
 ) -> list[Drawing]:
     approaches = compare.approaches(connection)
+    lines = set(  # a study may keep narrow-band lines out of the database
+        connection.execute(
+            "SELECT DISTINCT soil, track, train, unevenness, speed_kmh FROM series JOIN cases USING "
+            "(case_id) "
+            "WHERE receiver = 'rail'"
+        ).fetchall()
+    )
     plan = []
     for case in combinations:
         about = f"{case.train} on {case.track}, {case.unevenness}, {case.speed_kmh:g} km/h"
@@ -231,11 +222,17 @@ def _cases(
                         _bind(plots.rail, connection, on_rail, case, approaches),
                     )
                 )
+            with_lines = [
+                soil
+                for soil in on_rail
+                if (soil, case.track, case.train, case.unevenness, case.speed_kmh) in lines
+            ]
+            if with_lines:
                 plan.append(
                     Drawing(
                         names.name(9, "narrow-band", None, case),
                         f"Narrow-band spectrum of the rail velocity: {about}.",
-                        _bind(_narrow_band, connection, directory, on_rail, case),
+                        _bind(_narrow_band, connection, with_lines, case),
                     )
                 )
             if on_ground:
@@ -250,56 +247,27 @@ def _cases(
     return plan
 
 
-def _narrow_band(
-    connection: duckdb.DuckDBPyConnection, directory: Path, soils: Sequence[str], case: Combination
-) -> "Figure":
-    """Draw the rail's narrow-band spectra of the reference and of the first other approach.
-
-    Lines that the study kept out of the database come from the store.
-    """
+def _narrow_band(connection: duckdb.DuckDBPyConnection, soils: Sequence[str], case: Combination) -> "Figure":
+    """Draw the rail's narrow-band spectra of the reference and of the first other approach."""
     against = compare.reference(connection)
     others = [name for name in compare.approaches(connection) if name != against]
     spectra: dict[str, dict[str, tuple[NDArray[Any], NDArray[Any]]]] = {}
-    ends: list[float] = []
     for soil in soils:
         for approach in (against, *others[:1]):
-            row = connection.execute(
-                "SELECT unit_id, case_id, min(band_hz), max(band_hz) FROM bands "
-                "JOIN current_units USING (unit_id, case_id, approach) JOIN cases USING (case_id) "
-                "WHERE soil = $1 AND track = $2 AND train = $3 AND unevenness = $4 AND speed_kmh = $5 "
-                "AND approach = $6 AND receiver = 'rail' AND contribution = 'dynamic' AND averaging = 'line' "
-                "GROUP BY ALL",
-                [*case.parameters(soil), approach],
-            ).fetchone()
-            if row is None:
-                continue
-            ends += row[2:]
             data = plots.columns(
                 connection,
-                "SELECT frequency_hz, value FROM psd WHERE unit_id = $1 AND case_id = $2 AND receiver = "
-                "'rail' "
-                "AND contribution = 'dynamic' AND averaging = 'line' ORDER BY frequency_hz",
-                list(row[:2]),
+                "SELECT frequency_hz, value FROM psd JOIN current_units USING (source, unit_id, case_id, "
+                "approach) "
+                "JOIN cases USING (case_id) WHERE soil = $1 AND track = $2 AND train = $3 AND unevenness = "
+                "$4 "
+                "AND speed_kmh = $5 AND approach = $6 AND receiver = 'rail' AND contribution = 'dynamic' "
+                "AND averaging = 'line' ORDER BY frequency_hz",
+                [*case.parameters(soil), approach],
             )
-            lines = (data["frequency_hz"], data["value"])
-            spectra.setdefault(soil, {})[approach] = (
-                lines if lines[0].size else _stored_lines(directory, row[0])
-            )
-    return plots.narrow_band(spectra, (min(ends), max(ends)))
-
-
-def _stored_lines(directory: Path, unit_id: str) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return frequencies and densities of the rail's dynamic velocity from the store."""
-    from sweep import records, store
-
-    record = records.find(directory, "spectra", unit_id)
-    if record is None:
-        return np.empty(0), np.empty(0)
-    arrays, attributes = store.read_arrays(directory, record["group"])
-    series = list(
-        zip(attributes["receiver"], attributes["contribution"], attributes["averaging"], strict=True)
-    )
-    return arrays["frequency"], arrays["psd"][series.index(("rail", "dynamic", "line"))]
+            if data["frequency_hz"].size:
+                spectra.setdefault(soil, {})[approach] = (data["frequency_hz"], data["value"])
+    ends = connection.execute("SELECT min(band_hz), max(band_hz) FROM bands").fetchone() or (1.0, 100.0)
+    return plots.narrow_band(spectra, (ends[0], ends[1]))
 
 
 def _bind(draw: Callable[..., "Figure"], *given: Any) -> Callable[[], "Figure"]:

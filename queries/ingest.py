@@ -1,19 +1,19 @@
-"""From records and store to results.duckdb: published in one step, and left alone while nothing changed."""
+"""From records and store to a database: published in one step, and left alone while nothing changed."""
 
 import hashlib
 import json
 import os
 import shutil
 import time
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import duckdb
 
-from queries import arrays, database
-from queries.database import DATABASE, ResultsError
+from queries import arrays, database, parameters, schema
+from queries.database import ResultsError
 from queries.manifests import Contents, Row, contents, utc
 from queries.rows import Writer
 from sweep import records
@@ -21,107 +21,167 @@ from sweep import records
 _ABANDONED_S = 3600.0
 """Age from which the unfinished file of another process counts as left behind."""
 
-_FROM_ARRAYS = ("series", "psd_lines", "bands", "receptances", "ingested")
-"""Tables filled from the store, unit by unit; all others are small and made anew each time."""
+_FROM_ARRAYS = ("bands", "receptances", "series", "ingested")
+"""Tables filled from the store, unit by unit; psd_lines follows series."""
+
+_FROM_RECORDS = ("units", "unit_costs", "failures")
 
 
 @dataclass(frozen=True)
 class Ingest:
-    """What an ingest did: the file, whether it changed, and committed units whose arrays cannot be read."""
+    """What an ingest did.
+
+    Attributes
+    ----------
+    path
+        The database.
+    changed
+        Whether it was written.
+    unreadable
+        Committed units whose arrays cannot be read, each with its run directory.
+    backup
+        Copy of a file of an earlier form, made before it was brought up to date.
+    """
 
     path: Path
     changed: bool
-    unreadable: tuple[str, ...] = ()
+    unreadable: tuple[tuple[Path, str], ...] = ()
+    backup: Path | None = None
 
 
-def ingest(directory: Path | str, rebuild: bool = False) -> Ingest:
-    """Derive results.duckdb of a run directory from its records and its store, unless it is up to date.
+@dataclass(frozen=True)
+class _Source:
+    """A run directory as it is now."""
+
+    directory: Path
+    name: str
+    manifests: list[dict[str, Any]]
+    failures: list[dict[str, Any]]
+    present: set[str]
+    fingerprint: str
+
+
+def ingest(
+    directories: Path | str | Sequence[Path | str], rebuild: bool = False, file: Path | str | None = None
+) -> Ingest:
+    """Derive a database from the records and stores of run directories, unless it is up to date.
 
     The file is built aside and put in its place by one rename: readers see the old snapshot or the new one,
     and an ingest that is killed leaves the old one. Rows of units that are in the old snapshot already are
-    kept, for they cannot change.
+    kept, for they cannot change; so are those of run directories that are not named.
 
     Parameters
     ----------
-    directory
-        Output directory of a run.
+    directories
+        Run directories; none: those that `file` has, as far as they are still there.
     rebuild
-        Make it anew from the records and the store alone.
+        Make the file anew, from the records and stores of `directories` alone.
+    file
+        The database; by default that of the one run directory.
 
     Raises
     ------
     ResultsError
-        If the directory does not hold a run.
+        If a directory does not hold a run, or the file is of a newer version or no database of results.
     """
-    directory = Path(directory)
-    database.check_run(directory)
-    path = directory / DATABASE
-    manifests = records.runs(directory) or [records.Run.load(directory)]
-    failures = list(records.failed(directory))
-    present = records.present(directory)
-    fingerprint = _digest(database.form(), sorted(present), manifests, failures)
-    if not rebuild and _published(path) == fingerprint:
-        return Ingest(path, changed=False)
+    named = [Path(each) for each in ([directories] if isinstance(directories, Path | str) else directories)]
+    if file is None and len(named) != 1:
+        raise ResultsError(
+            "the results of several run directories go to a file of their own: --database FILE"
+        )
+    path = Path(file) if file is not None else database.locate(named[0]).path
+    for directory in named:
+        database.check_run(directory)
+    before = None if rebuild else _Published.read(path, own=file is None)
+    if not named:
+        named = [path.parent / name for name in (before.fingerprints if before else ())]
+        named = [directory for directory in named if directory.is_dir()]
+        if not named:
+            raise ResultsError(
+                f"{path}: no run directory is named, and the file has none that is still there"
+            )
+    sources = [_source(directory, path) for directory in dict.fromkeys(named)]
+    if before is not None and before.present_form:
+        if all(before.fingerprints.get(source.name) == source.fingerprint for source in sources):
+            return Ingest(path, changed=False)
     _remove_abandoned(path)
-    said = contents(manifests)
     partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
     log = partial.with_name(f"{partial.name}.wal")
+    backup = None
     try:
         partial.unlink(missing_ok=True)
-        if rebuild or not _kept(path, said, present):
-            connection = database.create(partial)
+        if before is None:
+            connection = schema.create(partial)
         else:
+            if before.version < schema.latest():
+                backup = path.with_name(f"{path.stem}.form-{before.version}{path.suffix}")
+                shutil.copyfile(path, backup)
             shutil.copyfile(path, partial)
-            connection = database.create(partial, keep=_FROM_ARRAYS)
+            connection = schema.open_for_writing(partial)
         with connection:
+            if before is not None and not before.present_form:
+                schema.upgrade(connection)
             connection.begin()
-            unreadable = _fill(connection, directory, said, failures)
-            results = _digest(database.form(), _ingested(connection), said.shown())
-            connection.execute("INSERT INTO snapshot VALUES (?, ?)", [fingerprint, results])
+            unreadable = [
+                (source.directory, unit) for source in sources for unit in _fill(connection, source)
+            ]
+            _number_runs(connection)
+            connection.execute("DELETE FROM snapshot")
+            connection.execute("INSERT INTO snapshot VALUES (?)", [_results(connection)])
             connection.commit()
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
         log.unlink(missing_ok=True)
-    return Ingest(path, changed=True, unreadable=tuple(unreadable))
+    return Ingest(path, True, tuple(unreadable), backup)
 
 
-def _digest(*parts: Any) -> str:
-    """Return the sha256 over everything a snapshot depends on.
+@dataclass(frozen=True)
+class _Published:
+    """What a published file is: number and sameness of its form, and fingerprints of what it has."""
 
-    Records are immutable and named by their content, so that their names suffice.
-    """
-    digest = hashlib.sha256()
-    for part in parts:
-        digest.update(json.dumps(part, sort_keys=True).encode())
-    return digest.hexdigest()
+    version: int
+    present_form: bool
+    fingerprints: dict[str, str | None]
+
+    @staticmethod
+    def read(path: Path, own: bool) -> "_Published | None":
+        """Return what a file is; None for none, and for a broken one that can be derived anew."""
+        if not path.exists():
+            return None
+        try:
+            with database.attach(path, anyform=True) as connection:
+                version = schema.version(connection)
+                if version == 0:
+                    raise ResultsError(f"{path}: is no database of results")
+                if version > schema.latest():
+                    raise ResultsError(
+                        f"{path}: is of form {version}, written by a newer railvib; "
+                        f"this one knows form {schema.latest()}"
+                    )
+                known = version > 1
+                rows = (
+                    connection.execute("SELECT directory, fingerprint FROM sources").fetchall()
+                    if known
+                    else []
+                )
+                return _Published(version, database.is_present_form(connection), dict(rows))
+        except (ResultsError, duckdb.Error) as error:
+            if own:
+                return None
+            raise ResultsError(str(error).splitlines()[0]) from error
 
 
-def _published(path: Path) -> str | None:
-    """Return the fingerprint of the published snapshot, or None where there is none that can be read."""
-    try:
-        with database.attach(path) as connection:
-            row = connection.execute("SELECT fingerprint FROM snapshot").fetchone()
-    except (ResultsError, duckdb.Error):
-        return None
-    return row[0] if row else None
-
-
-def _kept(path: Path, said: Contents, present: set[str]) -> bool:
-    """Return whether all rows from arrays in the published snapshot still hold, so that they can be kept."""
-    try:
-        with database.attach(path) as connection:
-            form = connection.execute("SELECT form FROM schema_version LIMIT 1").fetchone()
-            old = _ingested(connection)
-    except (ResultsError, duckdb.Error):
-        return False
-    return form == (database.form_id(),) and all(
-        unit in present and unit in said.owners and said.key(unit) == key for unit, key in old.items()
-    )
-
-
-def _ingested(connection: duckdb.DuckDBPyConnection) -> dict[str, str]:
-    return dict(connection.execute("SELECT unit_id, key FROM ingested ORDER BY unit_id").fetchall())
+def _source(directory: Path, path: Path) -> _Source:
+    manifests = records.runs(directory) or [records.Run.load(directory)]
+    failures = list(records.failed(directory))
+    present = records.present(directory)
+    # Records are immutable and named by their content, so that their names suffice.
+    text = json.dumps([sorted(present), manifests, failures], sort_keys=True)
+    fingerprint = hashlib.sha256(text.encode()).hexdigest()
+    there, folder = directory.resolve(), path.parent.resolve()
+    inside = there.relative_to(folder) if there.is_relative_to(folder) else there
+    return _Source(directory, str(inside), manifests, failures, present, fingerprint)
 
 
 def _remove_abandoned(path: Path) -> None:
@@ -131,23 +191,27 @@ def _remove_abandoned(path: Path) -> None:
             leftover.unlink(missing_ok=True)
 
 
-def _fill(
-    connection: duckdb.DuckDBPyConnection, directory: Path, said: Contents, failures: Iterable[Row]
-) -> list[str]:
-    """Fill the tables, and return the committed units whose arrays cannot be read."""
+def _fill(connection: duckdb.DuckDBPyConnection, source: _Source) -> list[str]:
+    """Bring the rows of one run directory up to date; return its units whose arrays cannot be read."""
+    said = contents(source.manifests)
+    number = _number(connection, source)
+    for table in _FROM_RECORDS:
+        connection.execute(f"DELETE FROM {table} WHERE source = ?", [number])
+    _drop_stale(connection, number, source, said)
+    _name(connection, number, said)
     writer = Writer(connection)
-    for table, rows in said.tables.items():
-        writer.rows(table, rows)
-    failed = [_failure(record) for record in failures]
+    reader = arrays.Reader(writer, source.directory, number, said)
+    query = "SELECT unit_id FROM ingested WHERE source = ?"
+    ingested = {row[0] for row in connection.execute(query, [number]).fetchall()}
+    failed = [_failure(record) for record in source.failures]
     units: list[Row] = []
     costs: list[Row] = []
     keys: list[Row] = []
-    ingested = _ingested(connection)
     unreadable: list[str] = []
-    for record in records.committed(directory):
+    for record in records.committed(source.directory):
         unit = record["unit_id"]
-        if record["kind"] in arrays.KINDS and unit in said.owners and unit not in ingested:
-            fault = arrays.insert(writer, directory, record, said)
+        if record["kind"] in arrays.TAKEN and unit in said.owners and unit not in ingested:
+            fault = reader.take(record)
             if fault is not None:
                 failed.append(_failure({**record, "traceback": fault}))
                 unreadable.append(unit)
@@ -157,11 +221,88 @@ def _fill(
             {**record, "started": utc(record.get("started")), "finished": utc(record.get("finished"))}
         )
         costs += [{**record, **cost} for cost in record.get("costs", [])]
-    writer.rows("ingested", keys)
-    writer.rows("units", units)
-    writer.rows("unit_costs", costs)
-    writer.rows("failures", failed)
+    writer.flush()
+    for table, rows in (("ingested", keys), ("units", units), ("unit_costs", costs), ("failures", failed)):
+        writer.rows(table, [{**row, "source": number} for row in rows])
     return unreadable
+
+
+def _number(connection: duckdb.DuckDBPyConnection, source: _Source) -> int:
+    """Return the number of a run directory in the file, a new one if it was not there."""
+    row = connection.execute("SELECT source FROM sources WHERE directory = ?", [source.name]).fetchone()
+    if row is None:
+        row = connection.execute("SELECT coalesce(max(source), 0) + 1 FROM sources").fetchone()
+        assert row is not None
+        connection.execute("INSERT INTO sources VALUES (?, ?, NULL)", [row[0], source.name])
+    connection.execute("UPDATE sources SET fingerprint = ? WHERE source = ?", [source.fingerprint, row[0]])
+    return int(row[0])
+
+
+def _drop_stale(connection: duckdb.DuckDBPyConnection, number: int, source: _Source, said: Contents) -> None:
+    """Drop the rows from arrays of units that are no longer there, or serve other cases than they did."""
+    rows = connection.execute("SELECT unit_id, key FROM ingested WHERE source = ?", [number]).fetchall()
+    stale = [
+        unit
+        for unit, key in rows
+        if unit not in source.present or unit not in said.owners or said.key(unit) != key
+    ]
+    if not stale:
+        return
+    which = "WHERE source = $1 AND list_contains($2, unit_id)"
+    connection.execute(
+        f"DELETE FROM psd_lines WHERE series_id IN (SELECT series_id FROM series {which})", [number, stale]
+    )
+    for table in _FROM_ARRAYS:
+        connection.execute(f"DELETE FROM {table} {which}", [number, stale])
+
+
+def _name(connection: duckdb.DuckDBPyConnection, number: int, said: Contents) -> None:
+    """Bring runs, cases and what their names stand for up to date."""
+    own = "(SELECT run_id FROM runs WHERE source = $1)"
+    for table in ("run_cases", "case_units", "runs"):
+        connection.execute(f"DELETE FROM {table} WHERE run_id IN {own}", [number])
+    # A copy of a run directory brings runs that another directory has brought already.
+    elsewhere = {row[0] for row in connection.execute("SELECT run_id FROM runs").fetchall()}
+    writer = Writer(connection)
+    keys = {"cases": "case_id", "unevenness_bands": "unevenness_id"}
+    keys |= {table: columns[0] for table, columns in parameters.TABLES.items()}
+    for table, rows in said.tables.items():
+        if table in keys:
+            ids = sorted({row[keys[table]] for row in rows})
+            if ids:
+                connection.execute(f"DELETE FROM {table} WHERE list_contains($1, {keys[table]})", [ids])
+            writer.rows(table, rows)
+        else:
+            writer.rows(
+                table,
+                [{**row, "source": number, "sequence": 0} for row in rows if row["run_id"] not in elsewhere],
+            )
+
+
+def _number_runs(connection: duckdb.DuckDBPyConnection) -> None:
+    """Give all runs of the file their numbers, in the order in which they started."""
+    connection.execute(
+        "UPDATE runs SET sequence = ordered.place FROM (SELECT run_id, "
+        "row_number() OVER (ORDER BY started NULLS FIRST, run_id) AS place FROM runs) AS ordered "
+        "WHERE runs.run_id = ordered.run_id"
+    )
+
+
+def _results(connection: duckdb.DuckDBPyConnection) -> str:
+    """Return a digest of what levels and figures depend on; a run that adds nothing leaves it as it is."""
+    digest = hashlib.sha256(schema.form_id().encode())
+    for query in (
+        "SELECT source, unit_id, key FROM ingested",
+        "SELECT case_id, approach, source, unit_id FROM current_units",
+        "FROM cases",
+        "FROM unevenness_bands",
+        "SELECT arg_max(reference, sequence) FROM runs",
+    ):
+        row = connection.execute(
+            f"SELECT md5(string_agg(row::VARCHAR, chr(10) ORDER BY row::VARCHAR)) FROM ({query}) AS row"
+        ).fetchone()
+        digest.update(str(row).encode())
+    return digest.hexdigest()
 
 
 def _failure(record: Row) -> Row:

@@ -39,39 +39,22 @@ class Contents:
             json.dumps([pairs, named, self.narrow_band], sort_keys=True).encode()
         ).hexdigest()
 
-    def shown(self) -> list[Any]:
-        """Return what levels, errors and figures depend on besides the units that are there."""
-        newest = {row["case_id"]: row["run_id"] for row in self.tables["run_cases"]}
-        needed = [
-            (row["case_id"], row["approach"], row["unit_id"])
-            for row in self.tables["case_units"]
-            if newest[row["case_id"]] == row["run_id"]
-        ]
-        reference = self.tables["runs"][-1].get("reference")
-        return [
-            sorted(needed),
-            self.tables["cases"],
-            self.tables["unevenness_bands"],
-            reference,
-            self.narrow_band,
-        ]
-
 
 def contents(manifests: list[dict[str, Any]]) -> Contents:
     """Return what the manifests say, the earliest first; the newest names a case."""
     tables: dict[str, list[Row]] = {
-        "runs": [_run(number, manifest) for number, manifest in enumerate(manifests, 1)],
+        "runs": [_run(manifest) for manifest in manifests],
         "run_cases": [],
         "case_units": [],
     }
     cases: dict[str, Row] = {}
     bands: dict[tuple[str, float], Row] = {}
-    named: dict[str, dict[str, parameters.Row]] = {}
+    named: dict[str, dict[tuple[Any, ...], parameters.Row]] = {table: {} for table in parameters.TABLES}
     owners: dict[str, set[tuple[str, str]]] = {}
     for manifest in manifests:
         run_id, given = manifest["run_id"], manifest.get("parameters", {})
-        for table, rows in parameters.rows(given).items():
-            named.setdefault(table, {}).update({json.dumps(row, sort_keys=True): row for row in rows})
+        for table, rows in parameters.rows(given, manifest.get("rayleigh_speeds_m_s", {})).items():
+            named[table].update({tuple(row[name] for name in parameters.TABLES[table]): row for row in rows})
         ids = {
             kind: {name: parameters.identity(name, thing) for name, thing in given.get(kind, {}).items()}
             for kind in parameters.KINDS
@@ -110,10 +93,15 @@ def utc(moment: Any) -> str | None:
     return when.replace(tzinfo=None).isoformat()
 
 
-def _run(sequence: int, manifest: Row) -> Row:
+def _run(manifest: Row) -> Row:
+    counted = {
+        f"{when}_{name}": value
+        for when in ("planned", "measured")
+        for name, value in (manifest.get(when) or {}).items()
+    }
     return {
         **manifest,
-        "sequence": sequence,
+        **counted,
         "study": manifest.get("study_name"),
         "versions": json.dumps(manifest.get("versions"), sort_keys=True),
         "resolved_study": json.dumps(manifest.get("study"), sort_keys=True),

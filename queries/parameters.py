@@ -6,7 +6,7 @@ names, so a new parameter needs a column and nothing here.
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 Row = dict[str, Any]
@@ -21,21 +21,32 @@ def identity(name: str, definition: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def rows(parameters: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> Tables:
-    """Return the rows of all parameter tables for the `parameters` of one manifest."""
-    tables: Tables = {
-        table: []
-        for table in (
-            "soils",
-            "soil_layers",
-            "tracks",
-            "track_layers",
-            "trains",
-            "vehicles",
-            "axles",
-            "unevenness",
-        )
-    }
+TABLES = {
+    "soils": ("soil_id",),
+    "soil_layers": ("soil_id", "layer"),
+    "tracks": ("track_id",),
+    "track_layers": ("track_id", "layer"),
+    "trains": ("train_id",),
+    "vehicles": ("train_id", "vehicle"),
+    "axles": ("train_id", "receiver"),
+    "unevenness": ("unevenness_id",),
+}
+"""Tables of parameters with the columns that tell their rows apart; the first is the id of a named thing."""
+
+
+def rows(
+    parameters: Mapping[str, Mapping[str, Mapping[str, Any]]], rayleigh_speeds: Mapping[str, Sequence[float]]
+) -> Tables:
+    """Return the rows of all parameter tables for the `parameters` of one manifest.
+
+    Parameters
+    ----------
+    parameters
+        Definitions by kind and name.
+    rayleigh_speeds
+        Rayleigh speed of each layer's material by soil, m/s, where the run said it.
+    """
+    tables: Tables = {table: [] for table in TABLES}
     for kind in KINDS:
         for name, definition in parameters.get(kind, {}).items():
             head = {kind: name, f"{kind}_id": identity(name, definition)}
@@ -45,7 +56,11 @@ def rows(parameters: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> Tables:
                 tables["soils"].append(
                     {**row, "layers": len(layers), "base": definition.get("base", "half-space")}
                 )
-                tables["soil_layers"] += _numbered(layers, head)
+                speeds = rayleigh_speeds.get(name, [None] * len(layers))
+                tables["soil_layers"] += [
+                    {**layer, "rayleigh_speed_m_s": speed}
+                    for layer, speed in zip(_numbered(layers, head), speeds, strict=True)
+                ]
             elif kind == "track":
                 mat = definition.get("mat")
                 tables["tracks"].append({**row, "form": definition.get("form", "ballasted")})

@@ -1,23 +1,15 @@
 """report.html: summary, tables, figures and provenance of a run in one file, readable without a network."""
 
-import base64
 import html
 import json
 import os
 import re
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import duckdb
 
-from queries import compare, summary
+from queries import database, summary
 from queries.table import Table, number
-
-if TYPE_CHECKING:
-    from queries.figures import Published
-
-REPORT = "report.html"
 
 _STYLE = """
 :root { color-scheme: light }
@@ -36,45 +28,31 @@ figcaption { font-size: 0.875rem; color: #444 }
 """
 
 
-def report(
-    connection: duckdb.DuckDBPyConnection, directory: Path | str, figures: Sequence["Published"]
-) -> Path:
-    """Write report.html of a run directory and return its path.
-
-    Parameters
-    ----------
-    connection
-        Results of the run; every number comes from here.
-    directory
-        Its output directory.
-    figures
-        PNG figures to embed.
-    """
-    path = Path(directory) / REPORT
-    partial = path.with_name(f"{REPORT}.{os.getpid()}.partial")
-    partial.write_text(_page(connection, figures), encoding="utf-8")
+def write(connection: duckdb.DuckDBPyConnection, path: Path) -> Path:
+    """Write the report of results and return its path; every number comes from the database."""
+    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
+    partial.write_text(_page(connection), encoding="utf-8")
     partial.replace(path)
     return path
 
 
-def shown(directory: Path | str) -> list[str]:
-    """Return fingerprint and results of the snapshot that a run's report shows; nothing without a report."""
+def shown(path: Path) -> tuple[str, ...]:
+    """Return the digests of the snapshot that a report shows, see `database.snapshot`; () for no report."""
     try:
-        with (Path(directory) / REPORT).open(encoding="utf-8") as file:
+        with path.open(encoding="utf-8") as file:
             head = file.read(1000)
     except OSError:
-        return []
+        return ()
     found = re.search('name="railvib-snapshot" content="([0-9a-f]+) ([0-9a-f]+)"', head)
-    return list(found.groups()) if found else []
+    return found.groups() if found else ()
 
 
-def _page(connection: duckdb.DuckDBPyConnection, figures: Sequence["Published"]) -> str:
+def _page(connection: duckdb.DuckDBPyConnection) -> str:
     row = connection.execute("SELECT study FROM runs ORDER BY sequence DESC LIMIT 1").fetchone()
     study = html.escape(str(row[0] if row else ""))
-    snapshot = " ".join(connection.execute("SELECT fingerprint, results FROM snapshot").fetchone() or ())
+    snapshot = " ".join(database.snapshot(connection))
     sentences = "".join(f"<p>{html.escape(sentence)}</p>\n" for sentence in summary.summary(connection))
-    tables = "".join(f"<div class='scroll'>{table.html()}</div>\n" for table in compare.tables(connection))
-    pictures = "".join(_picture(figure) for figure in figures)
+    tables = "".join(f"<div class='scroll'>{table.html()}</div>\n" for table in summary.tables(connection))
     provenance = "".join(f"<div class='scroll'>{table.html()}</div>\n" for table in _provenance(connection))
     return f"""<!DOCTYPE html>
 <html lang="en">
@@ -94,22 +72,11 @@ Errors are approach minus reference.</p>
 {sentences}
 <h2>Errors and costs</h2>
 {tables}
-<h2>Figures</h2>
-{pictures}
 <h2>Provenance</h2>
 {provenance}
 </body>
 </html>
 """
-
-
-def _picture(figure: "Published") -> str:
-    data = base64.b64encode(figure.path.read_bytes()).decode("ascii")
-    number_, caption = int(figure.path.name[7:9]), html.escape(figure.caption)
-    return (
-        f'<figure><img alt="{caption}" src="data:image/png;base64,{data}">'
-        f"<figcaption>Figure {number_}. {caption} ({html.escape(figure.path.name)})</figcaption></figure>\n"
-    )
 
 
 def _provenance(connection: duckdb.DuckDBPyConnection) -> list[Table]:

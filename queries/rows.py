@@ -1,6 +1,7 @@
-"""Rows and columns into the tables of a database, each by one statement."""
+"""Rows into the tables of a database: many at once, for every statement costs milliseconds."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import duckdb
@@ -8,6 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 _NUMBERS = ("INTEGER", "BIGINT", "DOUBLE")
+_HELD_ROWS = 4_000_000
+"""Rows that are held in memory before they are inserted, some 100 MB."""
+
+
+@dataclass
+class _Held:
+    """Rows that wait: words once per stretch of rows, numbers once per row."""
+
+    heads: list[Mapping[str, Any]] = field(default_factory=list)
+    sizes: list[int] = field(default_factory=list)
+    numbers: dict[str, list[NDArray[Any]]] = field(default_factory=dict)
 
 
 class Writer:
@@ -16,6 +28,7 @@ class Writer:
     def __init__(self, connection: duckdb.DuckDBPyConnection) -> None:
         self.connection = connection
         self._columns: dict[str, list[tuple[str, str]]] = {}
+        self._held: dict[str, _Held] = {}
         for table, name, kind in connection.execute(
             "SELECT table_name, column_name, data_type FROM duckdb_columns() WHERE NOT internal "
             "ORDER BY table_name, column_index"
@@ -26,30 +39,75 @@ class Writer:
         """Insert rows; what a row lacks becomes NULL, what a table lacks is left out."""
         rows = list(rows)
         if rows:
-            names = [name for name, _ in self._columns[table]]
-            self.columns(table, {name: [row.get(name) for row in rows] for name in names})
+            columns = self._columns[table]
+            self.connection.register("given", _sent(columns, rows))
+            self._insert(table, [_received(name, kind) for name, kind in columns], "given")
 
-    def columns(self, table: str, values: Mapping[str, Any]) -> None:
-        """Insert columns of equal length, arrays or lists; None, NaN and empty texts become NULL."""
-        # NULL travels as NaN or as an empty text: not every DuckDB reads arrays of objects with gaps.
-        sent: dict[str, NDArray[Any]] = {}
-        received = []
-        for name, kind in self._columns[table]:
-            given = values[name]
-            if kind in _NUMBERS:
-                if isinstance(given, list):
-                    given = [np.nan if value is None else value for value in given]
-                sent[name] = np.ascontiguousarray(given, dtype=float)
-                received.append(f'CASE WHEN NOT isnan("{name}") THEN "{name}"::{kind} END')
-            else:
-                sent[name] = np.array(["" if value is None else str(value) for value in given], dtype=object)
-                received.append(f"nullif(\"{name}\", '')::{kind}")
-        self.plain(table, sent, received)
-
-    def plain(
-        self, table: str, arrays: Mapping[str, NDArray[Any]], expressions: Iterable[str] | None = None
+    def stretches(
+        self, table: str, heads: Sequence[Mapping[str, Any]], numbers: Mapping[str, NDArray[Any]]
     ) -> None:
-        """Insert arrays as they are, or what expressions make of them; the quickest way for many numbers."""
-        self.connection.register("given", dict(arrays))
-        self.connection.execute(f"INSERT INTO {table} SELECT {', '.join(expressions or arrays)} FROM given")
+        """Insert stretches of rows: each head with as many rows as `numbers` has columns.
+
+        Parameters
+        ----------
+        table
+            Its name.
+        heads
+            What all rows of a stretch share.
+        numbers
+            Columns of shape (head, row); NaN becomes NULL.
+        """
+        held = self._held.setdefault(table, _Held())
+        for name, array in numbers.items():
+            held.numbers.setdefault(name, []).append(np.ravel(array))
+            size = array.shape[1]
+        held.heads += heads
+        held.sizes += [size] * len(heads)
+        if sum(held.sizes) > _HELD_ROWS:
+            self.flush()
+
+    def flush(self) -> None:
+        """Insert what is held."""
+        for table, held in self._held.items():
+            numbers = {name: np.concatenate(parts) for name, parts in held.numbers.items()}
+            shared = [(name, kind) for name, kind in self._columns[table] if name not in numbers]
+            words = [(name, kind) for name, kind in shared if kind not in _NUMBERS]
+            expressions = [_received(name, kind) for name, kind in self._columns[table]]
+            if words:
+                numbers["head"] = np.repeat(np.arange(len(held.heads), dtype=np.int32), held.sizes)
+                heads = _sent(shared, held.heads)
+                self.connection.register(
+                    "heads", {**heads, "head": np.arange(len(held.heads), dtype=np.int32)}
+                )
+                source = "given JOIN heads USING (head)"
+            else:  # numbers alone need no join
+                for name, sent in _sent(shared, held.heads).items():
+                    numbers[name] = np.repeat(sent, held.sizes)
+                source = "given"
+            self.connection.register("given", numbers)
+            self._insert(table, expressions, source)
+        self._held.clear()
+
+    def _insert(self, table: str, expressions: Iterable[str], source: str) -> None:
+        self.connection.execute(f"INSERT INTO {table} SELECT {', '.join(expressions)} FROM {source}")
         self.connection.unregister("given")
+
+
+def _sent(columns: Iterable[tuple[str, str]], rows: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
+    """Return rows as columns that DuckDB takes."""
+    # NULL travels as NaN or as an empty text: not every DuckDB reads arrays of objects with gaps.
+    sent: dict[str, NDArray[Any]] = {}
+    for name, kind in columns:
+        given = [row.get(name) for row in rows]
+        if kind in _NUMBERS:
+            sent[name] = np.array([np.nan if value is None else value for value in given], dtype=float)
+        else:
+            sent[name] = np.array(["" if value is None else str(value) for value in given], dtype=object)
+    return sent
+
+
+def _received(name: str, kind: str) -> str:
+    """Return the expression that makes a column of what was sent."""
+    if kind in _NUMBERS:
+        return f'CASE WHEN NOT isnan("{name}"::DOUBLE) THEN "{name}"::{kind} END'
+    return f"nullif(\"{name}\", '')::{kind}"

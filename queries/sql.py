@@ -2,7 +2,7 @@
 
 import csv
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -18,7 +18,9 @@ _FETCHED_ROWS = 10_000
 
 
 def query(
-    connection: duckdb.DuckDBPyConnection, statement: str, parameters: Sequence[Any] = ()
+    connection: duckdb.DuckDBPyConnection,
+    statement: str,
+    parameters: Mapping[str, Any] | Sequence[Any] = (),
 ) -> duckdb.DuckDBPyConnection:
     """Run one statement that reads, and return the connection to fetch its rows from.
 
@@ -29,7 +31,7 @@ def query(
     statement
         One SELECT, FROM, WITH, VALUES, DESCRIBE, SHOW, SUMMARIZE or EXPLAIN.
     parameters
-        Values of its placeholders.
+        Values of its placeholders, by place or by name.
 
     Raises
     ------
@@ -46,19 +48,25 @@ def query(
     if kind not in _READING:
         raise ResultsError(f"only statements that read are allowed, such as SELECT; this one is {kind}")
     try:
-        return connection.execute(found[0], list(parameters))
+        return connection.execute(found[0], parameters)
     except duckdb.Error as error:
         raise ResultsError(_line(error)) from error
 
 
-def answer(directory: Path | str, statement: str, form: str = "table", output: Path | None = None) -> None:
-    """Answer one question about a run directory on the terminal or in a file.
+def answer(
+    named: Path | str,
+    statement: str,
+    form: str = "table",
+    output: Path | None = None,
+    parameters: Mapping[str, Any] | Sequence[Any] = (),
+) -> None:
+    """Answer one question about results on the terminal or in a file.
 
     Parameters
     ----------
-    directory
-        Output directory of a run.
-    statement
+    named
+        Run directory or database file.
+    statement, parameters
         See `query`.
     form
         table, csv or parquet.
@@ -68,12 +76,12 @@ def answer(directory: Path | str, statement: str, form: str = "table", output: P
     Raises
     ------
     ResultsError
-        If the directory holds no results, the statement is refused, or the file cannot be written.
+        If there are no results, the statement is refused, or the file cannot be written.
     """
     if form == "parquet" and output is None:
         raise ResultsError("parquet is no text: name a file with --output")
-    with database.connect(directory) as connection:
-        result = query(connection, statement)
+    with database.connect(named) as connection:
+        result = query(connection, statement, parameters)
         try:
             if form == "parquet" and output is not None:
                 _write_parquet(result, output)

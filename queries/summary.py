@@ -2,16 +2,29 @@
 
 import duckdb
 
-from queries.compare import Error, case_count, cell, errors, pairs, varying
-from queries.table import band, decibels, number
+from queries.compare import (
+    MANY_CASES,
+    Error,
+    case_count,
+    cell,
+    cost_table,
+    error_table,
+    errors,
+    pairs,
+    reference,
+    varying,
+)
+from queries.table import Table, band, decibels, number
 
 
 def summary(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> list[str]:
     """Return what the data say, in sentences: error and cost of every approach, and what is missing."""
     sentences = []
-    for approach, against in pairs(connection):
-        places = errors(connection, approach, against, ("receiver",), contribution)
-        whole = errors(connection, approach, against, (*varying(connection), "receiver"), contribution)
+    against = reference(connection)
+    for pair in pairs(connection):
+        approach = pair.approach
+        places = errors(connection, pair, ("receiver",), contribution)
+        whole = errors(connection, pair, (*varying(connection), "receiver"), contribution)
         if not places:
             sentences.append(f"{approach} cannot be compared with {against}: no case has results of both.")
             continue
@@ -63,3 +76,10 @@ def _ratio(times: float, against: str) -> str:
     if times >= 1.0:
         return f"{number(times, 2)} times less than {against}"
     return f"{number(1.0 / times, 2)} times more than {against}"
+
+
+def tables(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> list[Table]:
+    """Return the tables of a report: errors of each approach against the reference, and costs."""
+    by = ("receiver",) if case_count(connection) > MANY_CASES else None
+    found = [error_table(connection, pair, by, contribution) for pair in pairs(connection)]
+    return [*found, cost_table(connection)]

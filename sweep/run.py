@@ -235,6 +235,7 @@ def _manifest(request: Request, run_id: str, launch: Launch) -> dict[str, Any]:
         "exit_status": None,
         "parameters": resolved.parameters(),
         "unevenness_bands": units.unevenness_bands(resolved),
+        "rayleigh_speeds_m_s": units.rayleigh_speeds(resolved),
         "cases": [_case(case, request, units.KINDS) for case in request.cases],
     }
 

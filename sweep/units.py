@@ -442,6 +442,15 @@ def unevenness_bands(resolved: Resolved) -> dict[str, list[dict[str, float]]]:
     }
 
 
+def rayleigh_speeds(resolved: Resolved) -> dict[str, list[float]]:
+    """Return the Rayleigh speed of each layer's material by soil, m/s; the results know no physics."""
+    return {
+        name: [layer.rayleigh_speed for layer in ground.layers]
+        for name, ground in resolved.objects["soil"].items()
+        if isinstance(ground, Ground)
+    }
+
+
 @cache
 def warm_up() -> None:
     """Compile every kernel, or load it where that has been done: a small case, kept nowhere."""

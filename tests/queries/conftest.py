@@ -1,10 +1,29 @@
 """Run directories for the tests of the results."""
 
+import shutil
+
 import pytest
 
-from queries import database
+from queries import database, schema
 from queries.ingest import ingest
 from tests.queries.run_directory import Study
+
+
+@pytest.fixture(scope="session")
+def empty(tmp_path_factory):
+    """Return an empty database, made once: its hundreds of statements take longer than a test's rows."""
+    path = tmp_path_factory.mktemp("empty") / "empty.duckdb"
+    schema.create(path).close()
+    return path
+
+
+@pytest.fixture(autouse=True)
+def _quick_creation(empty, monkeypatch):
+    def create(path):
+        shutil.copyfile(empty, path)
+        return schema.open_for_writing(path)
+
+    monkeypatch.setattr(schema, "create", create)
 
 
 @pytest.fixture

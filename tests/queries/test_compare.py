@@ -6,11 +6,14 @@ import pytest
 from click.testing import CliRunner
 
 from queries import cli, compare, database
+from queries.compare import Pair
 from queries.database import ResultsError
 from queries.ingest import ingest
 from queries.summary import missing, summary
 from queries.table import Table, band, decibels, number
 from tests.queries.run_directory import BANDS
+
+PAIR = Pair.of_approaches("moving-roughness", "full")
 
 
 def change(directory, statement):
@@ -30,7 +33,7 @@ def run(study):
 
 
 def test_errors_are_grouped_in_the_order_of_study_and_distance(results):
-    found = compare.errors(results, "moving-roughness", "full")
+    found = compare.errors(results, PAIR)
     places = ["force, all axles", "rail", "ground at 0 m", "ground at 8 m", "ground at 32 m"]
     assert [error.group for error in found] == [
         (soil, 150.0, place) for soil in ("horstwalde", "greby") for place in places
@@ -50,9 +53,7 @@ def test_mean_size_and_largest_error_are_those_of_the_rows(run):
         )
     with database.connect(run) as connection:
         (error,) = [
-            error
-            for error in compare.errors(connection, "moving-roughness", "full")
-            if error.group == ("greby", 150.0, "rail")
+            error for error in compare.errors(connection, PAIR) if error.group == ("greby", 150.0, "rail")
         ]
     assert error.mean == pytest.approx((19 * 1.0 + 11.0 - 19.0) / 21)
     assert error.mean_absolute == pytest.approx((19 * 1.0 + 11.0 + 19.0) / 21)
@@ -130,13 +131,13 @@ def test_many_cases_are_shown_together(study):
 
 
 def test_errors_by_band(results):
-    found = compare.errors(results, "moving-roughness", "full", by=("band",))
+    found = compare.errors(results, PAIR, by=("band",))
     np.testing.assert_allclose([error.group[0] for error in found], BANDS)
 
 
 def test_an_unknown_grouping_is_refused(results):
     with pytest.raises(ResultsError, match="cannot be grouped"):
-        compare.errors(results, "moving-roughness", "full", by=("soil; DROP TABLE cases",))
+        compare.errors(results, PAIR, by=("soil; DROP TABLE cases",))
 
 
 def test_the_summary_states_error_and_cost(results):
@@ -174,7 +175,7 @@ def test_a_reference_that_is_missing_in_some_cases_is_said(study):
     )
     ingest(directory)
     with database.connect(directory) as connection:
-        table = compare.error_table(connection, "moving-roughness", "full")
+        table = compare.error_table(connection, PAIR)
     assert "Only 2 of 3 cases have results of both." in table.note
 
 

@@ -1,10 +1,13 @@
 """Figures: which there are, that they show what the database holds, and that names do no harm."""
 
+from pathlib import Path
+
 import matplotlib.image
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
-from queries import database, figures, plots
+from queries import cli, database, figures, plots
 from queries.ingest import ingest
 from queries.plots import Combination
 from tests.queries.run_directory import BANDS
@@ -24,7 +27,11 @@ PAPER = [
 
 def names(directory):
     with database.connect(directory) as connection:
-        return [drawing.name for drawing in figures.drawings(connection, directory)]
+        return [drawing.name for drawing in figures.drawings(connection)]
+
+
+def draw(directory, kind="png"):
+    return figures.publish(directory / database.DATABASE, directory / "figures", kind)
 
 
 def lines(axis):
@@ -39,12 +46,12 @@ def test_the_paper_has_its_figures(paper):
 def test_figures_are_files_that_are_not_blank(study):
     directory = study.write()
     ingest(directory)
+    published = draw(directory)
     with database.connect(directory) as connection:
-        published = figures.publish(connection, directory)
-        assert figures.drawn(connection, directory) == published
-    assert [figure.path for figure in published] == [directory / "figures" / f"{name}.png" for name in PAPER]
-    for figure in published:
-        picture = matplotlib.image.imread(figure.path)
+        assert figures.drawn(connection, directory / "figures")
+    assert published == [directory / "figures" / f"{name}.png" for name in PAPER]
+    for path in published:
+        picture = matplotlib.image.imread(path)
         assert picture.shape[1] > 1000
         assert 0.01 < np.mean(picture[..., :3].min(axis=2) < 0.8) < 0.5
 
@@ -55,8 +62,7 @@ def test_figures_of_an_earlier_state_go(study):
     (directory / "figures").mkdir()
     (directory / "figures" / "figure-04-receptance-old.png").touch()
     (directory / "figures" / "mine.png").touch()
-    with database.connect(directory) as connection:
-        figures.publish(connection, directory)
+    draw(directory)
     left = {path.name for path in (directory / "figures").iterdir()}
     assert left == {"mine.png", *(f"{name}.png" for name in PAPER)}
 
@@ -81,7 +87,7 @@ def test_many_cases_are_sampled_and_it_is_said(study):
     directory = study.write(soils=tuple(f"soil {n}" for n in range(7)), speeds=(100.0, 150.0), lines=10)
     ingest(directory)
     with database.connect(directory) as connection:
-        found = figures.drawings(connection, directory)
+        found = figures.drawings(connection)
     assert sum("force" in drawing.name for drawing in found) == 4 * 2
     assert all("A sample: 4 of 7 soils and 2 of 2 combinations" in drawing.caption for drawing in found)
 
@@ -129,12 +135,11 @@ def test_the_unevenness_figure_marks_what_is_extrapolated(results):
     assert outside.get_xdata().max() < 1.524
 
 
-@pytest.mark.parametrize("setting", ["all", "none"])
-def test_the_narrow_band_figure_is_the_same_from_database_and_store(study, setting):
-    directory = study.write(narrow_band=setting)
+def test_the_narrow_band_figure_shows_the_lines_of_the_database(study):
+    directory = study.write()
     ingest(directory)
     with database.connect(directory) as connection:
-        (drawing,) = [each for each in figures.drawings(connection, directory) if "narrow-band" in each.name]
+        (drawing,) = [each for each in figures.drawings(connection) if "narrow-band" in each.name]
         figure = drawing.draw()
     reference, approach = figure.axes[0].lines
     assert reference.get_xdata().size == approach.get_xdata().size > 100
@@ -145,9 +150,25 @@ def test_the_narrow_band_figure_is_the_same_from_database_and_store(study, setti
     )
 
 
+def test_without_lines_in_the_database_there_is_no_narrow_band_figure(study):
+    directory = study.write(narrow_band="none")
+    ingest(directory)
+    assert names(directory) == [name for name in PAPER if "narrow-band" not in name]
+
+
+@pytest.mark.parametrize(("kind", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_figures_come_in_forms_for_print(study, kind, start):
+    directory = study.write(lost=("moving-roughness", "moving-roughness-uncorrelated", "full"))
+    done = CliRunner().invoke(cli.figures, [str(directory), "--format", kind])
+    assert done.exit_code == 0, done.output
+    published = [Path(line) for line in done.output.splitlines()]
+    assert [path.name for path in published] == [f"{name}.{kind}" for name in PAPER[:3]]
+    assert all(path.read_bytes().startswith(start) for path in published)
+
+
 def test_every_axis_names_its_unit(paper):
     with database.connect(paper) as connection:
-        for drawing in figures.drawings(connection, paper):
+        for drawing in figures.drawings(connection):
             axes = [axis for axis in drawing.draw().axes if axis.get_visible()]
             assert any("[" in axis.get_xlabel() for axis in axes), drawing.name
             assert any("[" in axis.get_ylabel() for axis in axes), drawing.name
@@ -157,15 +178,14 @@ def test_every_axis_names_its_unit(paper):
 def test_names_are_not_read_as_mathematics(study):
     directory = study.write(soils=("$\\frac{a$", "_hidden"), lines=10)
     ingest(directory)
-    with database.connect(directory) as connection:
-        assert len(figures.publish(connection, directory)) == len(PAPER)
+    assert len(draw(directory)) == len(PAPER)
 
 
 def test_results_that_are_missing_leave_their_curve_out(study):
     directory = study.write(lost=("moving-roughness",))
     ingest(directory)
+    draw(directory)
     with database.connect(directory) as connection:
-        figures.publish(connection, directory)
         figure = plots.rail(connection, ["greby"], CASE, ["moving-roughness", "full"])
     assert set(lines(figure.axes[0])) == {"#000000"}
 

@@ -11,7 +11,7 @@ import duckdb
 import numpy as np
 import pytest
 
-from queries import database
+from queries import database, schema
 from queries.arrays import _own, wanted
 from queries.database import ResultsError
 from queries.ingest import ingest
@@ -175,7 +175,7 @@ def test_a_damaged_group_is_a_failure_and_the_rest_is_there(study, damage):
     else:
         (place / "zarr.json").write_text("torn")
     done = ingest(directory)
-    assert done.unreadable == ("spectra-0-150-full",)
+    assert done.unreadable == ((directory, "spectra-0-150-full"),)
     with database.connect(directory) as connection:
         assert connection.execute("SELECT unit_id, kind FROM failures").fetchall() == [
             ("spectra-0-150-full", "spectra")
@@ -316,7 +316,7 @@ def test_the_file_opens_in_the_oldest_duckdb_that_is_supported(paper):
 
 
 def test_migrations_are_numbered_from_one_without_gaps(results):
-    numbers = [version for version, _, _ in database.migrations()]
+    numbers = [version for version, _, _ in schema.migrations()]
     assert numbers == list(range(1, len(numbers) + 1))
     assert results.execute("SELECT version FROM schema_version ORDER BY 1").fetchall() == [
         (n,) for n in numbers

@@ -60,7 +60,6 @@ def test_the_report_stands_alone(study, every_figure):
     links = [
         value for _, attributes in page.tags for name, value in attributes.items() if name in ("src", "href")
     ]
-    assert len(links) == 8 + 1
     assert all(link.startswith("data:") for link in links)
     assert {tag for tag, _ in page.tags} & {"script", "iframe", "object"} == set()
     assert all(attributes["alt"] for tag, attributes in page.tags if tag == "img")
@@ -162,9 +161,9 @@ def test_a_directory_that_is_no_run_is_refused_in_one_line(command, tmp_path):
 def test_ingest_says_what_it_did(study):
     directory = study.write(lines=20)
     runner = CliRunner()
-    assert "made anew" in runner.invoke(cli.ingest, [str(directory)]).output
+    assert "written" in runner.invoke(cli.ingest, [str(directory)]).output
     assert "up to date" in runner.invoke(cli.ingest, [str(directory)]).output
-    assert "made anew" in runner.invoke(cli.ingest, [str(directory), "--rebuild"]).output
+    assert "written" in runner.invoke(cli.ingest, [str(directory), "--rebuild"]).output
 
 
 def test_results_come_as_frames(paper):
