@@ -1,21 +1,15 @@
 """The commands as a user calls them, on small studies of the real physics."""
 
-import contextlib
 import json
 import os
 import signal
-import subprocess
-import sys
 import time
-from pathlib import Path
 
-import psutil
 import pytest
 
-from sweep import records, store
+from sweep import lock, records, store
+from tests.sweep import driver
 from tests.sweep.small import STUDY, invoke
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -189,16 +183,6 @@ def test_no_run_to_resume(here):
         assert "holds no run" in result.output
 
 
-def alive(group):
-    """Return the processes of a group that are more than an entry in the system's table."""
-    living = []
-    for process in psutil.process_iter():
-        with contextlib.suppress(ProcessLookupError, psutil.Error):
-            if os.getpgid(process.pid) == group and process.status() != psutil.STATUS_ZOMBIE:
-                living.append(process.cmdline())
-    return living
-
-
 @pytest.mark.slow
 def test_ctrl_c_stops_cleanly(here):
     changed(
@@ -207,30 +191,17 @@ def test_ctrl_c_stops_cleanly(here):
         ("[8]", "[8, 32, 100]"),
         ("8.0", "80.0"),
     )
-    command = [
-        sys.executable,
-        "-c",
-        "from railvib.cli import main; main()",
-        "run",
-        "small.toml",
-        "--workers",
-        "2",
-    ]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    with subprocess.Popen(
-        command, cwd=here, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as process:
-        deadline = time.monotonic() + 60.0
-        while not list((here / "runs").rglob("records/transfer/*.json")) and time.monotonic() < deadline:
-            time.sleep(0.1)
-        os.killpg(process.pid, signal.SIGINT)  # what a terminal does: to every process of the group
-        _, errors = process.communicate(timeout=30)
-    assert process.returncode == 130
+    process = driver.start(here, "run", "small.toml", "--workers", 2)
+    deadline = time.monotonic() + 60.0
+    while not list((here / "runs").rglob("records/transfer/*.json")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    os.killpg(process.pid, signal.SIGINT)  # what a terminal does: to every process of the group
+    code, errors = driver.ended(process)
+    assert code == 130
     assert "railvib resume runs/small" in errors
     assert "Traceback" not in errors
-    deadline = time.monotonic() + 10.0
-    while alive(process.pid) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert not alive(process.pid)
+    assert driver.left_behind(process.pid) == []
     assert records.Run.load(here / "runs" / "small")["exit_status"] == 130
+    assert "interrupted, exit status 130" in invoke("status", "runs/small").output
     assert len(records.present(here / "runs" / "small")) > 0
+    assert not (here / "runs" / "small" / lock.LOCK).exists()

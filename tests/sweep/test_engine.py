@@ -1,7 +1,4 @@
 import os
-import signal
-import threading
-import time
 from collections import Counter
 
 import numpy as np
@@ -131,30 +128,3 @@ def test_a_task_that_kills_its_worker_fails_alone(tmp_path):
     assert all(error == engine.LOST for _, error in tally.failures)
     assert len(list(records.committed(tmp_path, "total"))) == 13
     assert {failure["kind"] for failure in records.failed(tmp_path)} == {"square"}
-
-
-def test_killed_workers_lose_nothing(tmp_path, marks):
-    wanted = [toy.total(number, number + 2, marks=marks, sleep=0.02) for number in range(60)]
-    stop = threading.Event()
-
-    def kill():
-        for _ in range(3):
-            time.sleep(0.5)
-            workers = [
-                child
-                for child in psutil.Process().children(recursive=True)
-                if "spawn_main" in " ".join(child.cmdline())
-            ]
-            if workers and not stop.is_set():
-                os.kill(workers[0].pid, signal.SIGKILL)
-
-    with cluster.local(2, toy.__name__) as crew:
-        thread = threading.Thread(target=kill)
-        thread.start()
-        tally = run(tmp_path, wanted, crew)
-        stop.set()
-        thread.join()
-    assert (tally.failed, tally.skipped) == (0, 0)
-    assert {unit.id for unit in wanted} <= records.present(tmp_path)
-    counted = Counter(record["unit_id"] for record in records.committed(tmp_path))
-    assert set(counted.values()) == {1}

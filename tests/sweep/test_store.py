@@ -1,11 +1,14 @@
 import dataclasses
 import math
+import multiprocessing
 from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
 import xarray
 import zarr
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from sweep import store
 
@@ -26,8 +29,7 @@ class Spectrum:
     extra: np.ndarray | None = field(default=None, metadata={"dims": ("extra",)})
 
 
-@pytest.fixture
-def spectrum():
+def example():
     draw = np.random.default_rng(1)
     return Spectrum(
         frequency=np.array([1.0, 2.0, np.nan]),
@@ -40,6 +42,11 @@ def spectrum():
         error=math.nan,
         slowness=3.0 + math.inf * 1j,
     )
+
+
+@pytest.fixture
+def spectrum():
+    return example()
 
 
 def write(home, spectrum):
@@ -181,3 +188,68 @@ def test_clean_removes_what_dead_writers_left(tmp_path, spectrum):
     store.clean(tmp_path)
     assert not left.exists()
     assert_equal(read(tmp_path, written), spectrum)
+
+
+@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(1, 9), st.integers(1, 7), st.integers(16, 400))
+def test_chunks_are_whole_rows_and_written_at_once(tmp_path, rows, nodes, chunk_bytes):
+    """Whatever the sizes, all chunks of an array come from one write, and none is shared with another's."""
+    made = dataclasses.replace(
+        example(), frequency=np.arange(rows), transfer=np.ones((rows, nodes), complex), count=np.arange(rows)
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+        home = tmp_path / f"{rows}-{nodes}-{chunk_bytes}"
+        written = write(home, made)
+    array = zarr.open_group(home / store.STORE, mode="r")[f"{written.group}/transfer"]
+    assert array.shards is None
+    assert array.chunks[1] == nodes
+    files = [
+        path for path in (home / store.STORE / written.group / "transfer" / "c").rglob("*") if path.is_file()
+    ]
+    assert len(files) == -(-rows // array.chunks[0])
+    np.testing.assert_array_equal(
+        store.read(home, written.group, Spectrum, written.arrays).transfer, made.transfer
+    )
+
+
+def test_nobody_writes_part_of_a_chunk(tmp_path, spectrum):
+    """Rows that another writer has, or adds, cannot reach a chunk that is there: they are another group."""
+    whole = write(tmp_path, spectrum)
+    folder = tmp_path / store.STORE / whole.group
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    part = dataclasses.replace(
+        spectrum, frequency=spectrum.frequency[1:], transfer=-spectrum.transfer[1:], count=spectrum.count[1:]
+    )
+    assert write(tmp_path, part).group != whole.group
+    array = store.open_array(tmp_path, whole.group, "transfer")
+    with pytest.raises(ValueError, match="read-only"):
+        array[1:, :] = 7.0
+    with pytest.raises(ValueError, match="read-only"):
+        array.resize((4, 5))
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def _write_many(home, sign, start):
+    start.wait()
+    for count in range(20):
+        write(home, dataclasses.replace(example(), transfer=sign * (count + 1.0) * np.ones((3, 5), complex)))
+
+
+def test_writers_of_one_unit_do_not_tear_each_others_chunks(tmp_path):
+    """Two processes store different results under one name, over and over: each group is one of them."""
+    context = multiprocessing.get_context("spawn")
+    start = context.Barrier(2)
+    processes = [context.Process(target=_write_many, args=(tmp_path, sign, start)) for sign in (1.0, -1.0)]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join()
+    assert [process.exitcode for process in processes] == [0, 0]
+    groups = [path for path in (tmp_path / store.STORE / "spectrum").iterdir() if path.is_dir()]
+    seen = set()
+    for group in groups:
+        arrays, _ = store.read_arrays(tmp_path, f"spectrum/{group.name}")
+        (value,) = set(arrays["transfer"].ravel())
+        seen.add(value)
+    assert seen == {sign * (count + 1.0) for sign in (1.0, -1.0) for count in range(20)}

@@ -1,0 +1,242 @@
+"""Processes killed at the worst of times: nothing is lost, counted twice, or left running."""
+
+import json
+import os
+import random
+import shutil
+import signal
+import threading
+from collections import Counter
+
+import duckdb
+import psutil
+import pytest
+
+from queries.ingest import ingest
+from sweep import cluster, engine, plan, records
+from sweep.task import Place
+from tests.sweep import driver, poisoned, toy
+from tests.sweep.small import STUDY, invoke
+
+VOLATILE = {"run_id", "worker", "attempt", "started", "finished", "wall_s", "cpu_s", "peak_rss_bytes"}
+"""Columns that say when, where and how fast a result was computed."""
+ABOUT_RUNS = {"runs", "run_cases", "case_units", "snapshot"}
+KILL = "os.kill(os.getpid(), signal.SIGKILL)"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Return a folder with the small study; of what follows a run, only the database is made."""
+    (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
+    monkeypatch.setattr("queries.publication.publish_report", lambda *_, **__: None)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def undisturbed(computed, tmp_path_factory):
+    """Return the run directory of an undisturbed run of the small study, with its database."""
+    directory = shutil.copytree(computed / "out", tmp_path_factory.mktemp("undisturbed") / "out")
+    ingest(directory)
+    return directory
+
+
+def rows(directory):
+    """Return the rows of all tables of results, as often as each is there, without times and places."""
+    with duckdb.connect(str(directory / "results.duckdb"), read_only=True) as database:
+        found = {}
+        for (table,) in database.execute("SELECT table_name FROM duckdb_tables()").fetchall():
+            if table in ABOUT_RUNS:
+                continue
+            columns = [row[0] for row in database.execute(f"DESCRIBE {table}").fetchall()]
+            kept = ", ".join(f'"{column}"' for column in columns if not volatile(column))
+            if kept:
+                found[table] = Counter(map(str, database.execute(f"SELECT {kept} FROM {table}").fetchall()))
+        return found
+
+
+def volatile(column):
+    return column in VOLATILE or column.startswith(("host", "source"))
+
+
+def arrays(directory):
+    return {record["unit_id"]: record["arrays"] for record in records.committed(directory)}
+
+
+def logged(directory, run_id):
+    lines = [json.loads(line) for line in (directory / "log.jsonl").read_text().splitlines()]
+    return [line for line in lines if line["run_id"] == run_id]
+
+
+def workers():
+    return [
+        child
+        for child in psutil.Process().children(recursive=True)
+        if "spawn_main" in " ".join(child.cmdline()) and child.status() != psutil.STATUS_ZOMBIE
+    ]
+
+
+def run(directory, wanted, crew):
+    made = plan.make(wanted, toy.KINDS, records.present(directory))
+    settled = []
+    tally = engine.run(
+        made,
+        Place(str(directory), "run-1", toy.__name__),
+        crew,
+        lambda task, outcome, tally: settled.append(task.key),
+    )
+    assert sorted(settled) == sorted(made.tasks)
+    return tally
+
+
+@pytest.mark.slow
+def test_six_killed_workers_lose_nothing(tmp_path):
+    marks = tmp_path / "marks"
+    marks.mkdir()
+    draw = random.Random(6)
+    work = {"sleep": 0.03, "marks": str(marks)}
+    wanted = [toy.total(number, number + 2, **work) for number in range(0, 400, 4)]
+    killed = []
+
+    def kill(stop):
+        while len(killed) < 6 and not stop.is_set():
+            stop.wait(draw.uniform(0.2, 0.6))
+            running = workers()
+            if running and any(marks.iterdir()) and not stop.is_set():
+                victim = draw.choice(running)
+                victim.kill()
+                killed.append(victim.pid)
+
+    with cluster.local(2, toy.__name__) as crew:
+        stop = threading.Event()
+        killer = threading.Thread(target=kill, args=[stop])
+        killer.start()
+        tally = run(tmp_path / "killed", wanted, crew)
+        stop.set()
+        killer.join()
+    assert len(killed) == 6
+    assert (tally.total, tally.done, tally.failed, tally.skipped) == (300, 300, 0, 0)
+    assert len(os.listdir(marks)) <= 330
+    assert Counter(each["unit_id"] for each in records.committed(tmp_path / "killed")).total() == 300
+    run(tmp_path / "undisturbed", wanted, engine.ThisProcess())
+    assert arrays(tmp_path / "killed") == arrays(tmp_path / "undisturbed")
+
+
+AT_A_THIRD = f"""
+import os, signal
+from sweep import progress
+write = progress.Log.write
+def fatal(self, event, **facts):
+    write(self, event, **facts)
+    if 3 * facts.get("settled", 0) >= facts["tasks"]:
+        {KILL}
+progress.Log.write = fatal
+"""
+
+
+@pytest.mark.slow
+def test_a_killed_driver_leaves_no_process_and_what_is_missing(folder, undisturbed):
+    process = driver.start(folder, "run", "small.toml", "--workers", 2, before=AT_A_THIRD)
+    assert driver.ended(process)[0] == -signal.SIGKILL
+    assert driver.left_behind(process.pid) == []
+    directory = folder / "runs" / "small"
+    first = records.Run.load(directory)
+    assert first["exit_status"] is None
+    assert "state     dead: process" in invoke("status", directory).output
+    before = {record["unit_id"]: record for record in records.committed(directory)}
+    tasks = logged(directory, first["run_id"])[0]["tasks"]
+    assert 0 < len(before) < len(arrays(undisturbed))
+    resumed = invoke("resume", directory, "--workers", 0)
+    assert resumed.exit_code == 0, resumed.output
+    assert f"process {process.pid} on " in resumed.output
+    after = {record["unit_id"]: record for record in records.committed(directory)}
+    assert {unit: record for unit, record in after.items() if record["run_id"] == first["run_id"]} == before
+    second = logged(directory, records.Run.load(directory)["run_id"])
+    computed = [line["task"] for line in second if line["event"] == "done"]
+    assert len(computed) == len(set(computed)) == second[0]["tasks"] < tasks
+    assert arrays(directory) == arrays(undisturbed)
+    assert rows(directory) == rows(undisturbed)
+
+
+IN_A_CHUNK = f"""
+import os, pathlib, signal
+write = pathlib.Path.write_bytes
+written = []
+def torn(self, content):
+    if "transfer_functions.zarr" in str(self) and "/c/" in str(self):
+        written.append(self)
+        if len(written) == 30:
+            write(self, bytes(content)[: len(content) // 2])
+            {KILL}
+    return write(self, content)
+pathlib.Path.write_bytes = torn
+"""
+
+
+def test_a_driver_killed_inside_a_zarr_write(folder, undisturbed):
+    process = driver.start(folder, "run", "small.toml", "--workers", 0, before=IN_A_CHUNK)
+    assert driver.ended(process)[0] == -signal.SIGKILL
+    directory = folder / "runs" / "small"
+    assert any((directory / "transfer_functions.zarr.partial").iterdir())
+    assert 0 < len(arrays(directory)) < len(arrays(undisturbed))
+    assert "damaged   0" in invoke("status", "--verify", directory).output
+    assert invoke("resume", directory, "--workers", 0).exit_code == 0
+    assert not list((directory / "transfer_functions.zarr.partial").iterdir())
+    assert arrays(directory) == arrays(undisturbed)
+    assert rows(directory) == rows(undisturbed)
+
+
+IN_THE_DATABASE = f"""
+import os, signal
+from queries import arrays
+insert = arrays.insert
+calls = []
+def torn(*given):
+    calls.append(given)
+    if len(calls) == 3:
+        {KILL}
+    return insert(*given)
+arrays.insert = torn
+"""
+
+
+def test_a_driver_killed_inside_the_database_write(folder, undisturbed):
+    directory = shutil.copytree(undisturbed, folder / "out")
+    (directory / "results.duckdb").unlink()
+    process = driver.start(folder, "resume", "out", "--workers", 0, before=IN_THE_DATABASE)
+    assert driver.ended(process)[0] == -signal.SIGKILL
+    assert list(directory.glob("results.duckdb.*.partial"))
+    assert not (directory / "results.duckdb").exists()
+    assert invoke("status", "--verify", directory).exit_code == 1
+    assert invoke("resume", directory, "--workers", 0).exit_code == 0
+    assert rows(directory) == rows(undisturbed)
+    assert invoke("status", "--verify", directory).exit_code == 0
+
+
+@pytest.mark.slow
+def test_poisoned_cases_fail_alone_and_are_retried(folder, computed, monkeypatch):
+    text = STUDY.replace('"moving-roughness", "full"', '"moving-roughness"').replace(
+        'reference = "full"', 'reference = "moving-roughness"'
+    )
+    (folder / "small.toml").write_text(text.replace("[30]", "[30, 31, 32, 33]"), encoding="utf-8")
+    directory = folder / "out"
+    monkeypatch.setattr("sweep.run.units", poisoned)
+    monkeypatch.setenv(poisoned.POISON, '{"31": "raise", "32": "kill"}')
+    result = invoke("run", folder / "small.toml", "--out", directory, "--workers", 2)
+    assert result.exit_code == 1
+    failures = {record["inputs"]["speed"] * 3.6: record["traceback"] for record in records.failed(directory)}
+    assert {round(speed, 6) for speed in failures} == {31.0, 32.0}
+    told = "".join(failures.values())
+    assert "Traceback" in told
+    assert "ArithmeticError: poisoned at 31 km/h" in told
+    assert engine.LOST in told
+    assert len(list(records.committed(directory, "spectra"))) == 2
+    status = invoke("status", directory).output
+    assert "2 of 4 complete" in status
+    assert "failures  2" in status
+    before = arrays(directory)
+    monkeypatch.delenv(poisoned.POISON)
+    resumed = invoke("resume", directory, "--failed", "--workers", 0)
+    assert resumed.exit_code == 0, resumed.output
+    assert "2 tasks to run" in resumed.output
+    assert before.items() <= arrays(directory).items()
+    assert "4 of 4 complete" in invoke("status", directory).output
