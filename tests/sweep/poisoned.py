@@ -4,21 +4,18 @@ import json
 import os
 import signal
 from dataclasses import replace
+from typing import Any
 
-from sweep.units import (
-    KINDS as SOUND,
-)
-from sweep.units import (
-    KMH,
-    check_plausibility,
-    spectra_unit,
-    unevenness_bands,
-)
-
-__all__ = ["KINDS", "check_plausibility", "spectra_unit", "unevenness_bands"]
+from sweep import units as sound
+from sweep.study import KMH
 
 POISON = "RAILVIB_TEST_POISON"
 """JSON: what to do at which speed in km/h."""
+
+
+def __getattr__(name: str) -> Any:
+    """Return what is not poisoned."""
+    return getattr(sound, name)
 
 
 def _spectra(units, load):
@@ -28,10 +25,10 @@ def _spectra(units, load):
             raise ArithmeticError(f"poisoned at {unit.inputs['speed'] * KMH:g} km/h")
         if poison == "kill":
             os.kill(os.getpid(), signal.SIGKILL)
-        yield from SOUND["spectra"].compute([unit], load)
+        yield from sound.KINDS["spectra"].compute([unit], load)
 
 
-KINDS = {**SOUND, "spectra": replace(SOUND["spectra"], compute=_spectra)}
+KINDS = {**sound.KINDS, "spectra": replace(sound.KINDS["spectra"], compute=_spectra)}
 
 
 def warm_up():

@@ -222,7 +222,7 @@ def test_poisoned_cases_fail_alone_and_are_retried(folder, computed, monkeypatch
     monkeypatch.setattr("sweep.run.units", poisoned)
     monkeypatch.setenv(poisoned.POISON, '{"31": "raise", "32": "kill"}')
     result = invoke("run", folder / "small.toml", "--out", directory, "--workers", 2)
-    assert result.exit_code == 1
+    assert result.exit_code == 1, result.output
     failures = {record["inputs"]["speed"] * 3.6: record["traceback"] for record in records.failed(directory)}
     assert {round(speed, 6) for speed in failures} == {31.0, 32.0}
     told = "".join(failures.values())
