@@ -132,7 +132,7 @@ def passage_spectra(
                     own = np.flatnonzero(which == block)
                     f = frequency[here[own]]
                     table = transfer.blocks[int(block)]
-                    _beta, value = table.at(f)
+                    _beta, value = transfer.at(int(block), f)
                     psd[receiver][here[own]] = _wavenumber_integrals(
                         table.nodes.panel_edges(f),
                         value,

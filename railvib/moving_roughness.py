@@ -60,7 +60,7 @@ def line_integrals(
         for block in np.unique(which):
             table = receiver.blocks[int(block)]
             here = which == block
-            _beta, transfer = table.at(f[here])
+            _beta, transfer = receiver.at(int(block), f[here])
             squared = (np.abs(transfer) ** 2).reshape(transfer.shape[0], -1, ORDER)
             integral[here] = _cosine_integrals(table.nodes.panel_edges(f[here]), squared, d)
             spent.evaluations += transfer.size

@@ -122,6 +122,22 @@ def spherical_bessel(x, order, out):
         out[n] *= scale
 
 
+@numba.njit(cache=True, error_model="numpy")
+def panel_weights(x, weight):
+    """Write the weights of a panel's nodes for interpolation at x in [−1, 1] (barycentric form)."""
+    total = 0.0
+    for j in range(ORDER):
+        d = x - NODE[j]
+        if d == 0.0:
+            weight[:] = 0.0
+            weight[j] = 1.0
+            return
+        weight[j] = BARYCENTRIC[j] / d
+        total += weight[j]
+    for j in range(ORDER):
+        weight[j] /= total
+
+
 _BINOMIAL = np.array([(-1.0) ** m * comb(STENCIL - 1, m) for m in range(STENCIL)])
 
 

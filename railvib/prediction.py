@@ -85,7 +85,7 @@ def rail_receptance(
         needed = sorted({int(each) for each in blocks.assigned(f.ravel(), range(blocks.LOWEST, 20))})
     else:
         needed = list(blocks.up_to(highest_tabulated_frequency(track, float(f.max()), speed)))
-    rail = TransferFunction(_rail_block(ground, track, block, tolerance) for block in needed)
+    rail = TransferFunction((_rail_block(ground, track, block, tolerance) for block in needed), track)
     out = np.empty(f.shape, complex)
     for each in np.unique(f):
         here = f == each
@@ -167,7 +167,7 @@ def predict(
         for receiver, table in transfer_blocks(ground, track, block, wanted, tolerance, refinement).items():
             tables[receiver].append(table)
     _report(tables, tolerance)
-    functions = {receiver: TransferFunction(table) for receiver, table in tables.items()}
+    functions = {receiver: TransferFunction(table, track) for receiver, table in tables.items()}
     distances = axle_distances(train)
     frequency = lines(midband, line_step(train.length, speed, refinement))
     made: list[Spectra] = []

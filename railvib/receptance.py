@@ -228,7 +228,7 @@ def _standing_panels(rail: TransferFunction, frequency: np.ndarray) -> Panels:
         table = rail.blocks[int(block)]
         f = np.maximum(frequency[rows], rail.lowest)
         edge = table.nodes.panel_edges(f)
-        _beta, transfer = table.at(f)
+        _beta, transfer = rail.at(int(block), f)
         value = 2.0 * transfer.reshape(rows.size, -1, ORDER)
         owner = np.repeat(rows, edge.shape[1] - 1)
         parts.append((owner, edge[:, :-1].ravel(), edge[:, 1:].ravel(), value.reshape(-1, ORDER)))

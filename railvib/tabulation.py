@@ -6,7 +6,9 @@ share their nodes, and none depends on which others were asked for. Each receive
 of frequencies at which interpolation between them passes a check against direct evaluation half-way.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +19,7 @@ from railvib.panels import unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.strip import strip_compliances
 from railvib.track import Track, track_response
-from railvib.transfer import Nodes, Receiver, TransferBlock, decay
+from railvib.transfer import Nodes, Receiver, TransferBlock, TransferFunction
 
 MOST_LEVELS = 6
 TIGHTEST, LOOSEST = 1e-6, 1e-2
@@ -67,45 +69,56 @@ def transfer_blocks(
     dict
         A `TransferBlock` per receiver, the same whichever others were asked for with it.
     """
+    made: dict[Receiver, TransferBlock] = {}
+    for members in transfer_blocks_by_class(ground, track, block, receivers, tolerance, refinement):
+        made.update(members)
+    return made
+
+
+def transfer_blocks_by_class(
+    ground: Ground,
+    track: Track,
+    block: int,
+    receivers: Iterable[Receiver],
+    tolerance: float = 1e-4,
+    refinement: int = 1,
+) -> Iterator[dict[Receiver, TransferBlock]]:
+    """Yield what `transfer_blocks` returns class by class, so that not all tables need be held at once."""
     fits = GroundFits(ground, block, 1e-6 * tolerance)
     classes: dict[float, set[Receiver]] = {}
     for receiver in receivers:
         classes.setdefault(distance_class(receiver), set()).add(receiver)
-    made: dict[Receiver, TransferBlock] = {}
     for reach, members in sorted(classes.items()):
-        nodes = _resolved_nodes(_Evaluation(fits, track, (0.0, reach), tolerance), tolerance, refinement)
-        made.update(_tables(fits, track, nodes, members, tolerance, refinement))
-    return made
+        evaluate = _Evaluation(fits, track, tolerance)
+        nodes = _resolved_nodes(evaluate, reach, tolerance, refinement)
+        certificate = _compliance_error(fits, track, reach, tolerance)
+        yield _tables(evaluate, nodes, members, certificate, tolerance, refinement)
 
 
 class _Evaluation:
     """Direct evaluation of the transfer functions of the rail and of the ground at some offsets."""
 
-    def __init__(self, fits: GroundFits, track: Track, offsets: Iterable[float], tolerance: float) -> None:
+    def __init__(self, fits: GroundFits, track: Track, tolerance: float) -> None:
         self.fits = fits
         self.track = track
-        self.offsets = np.unique([0.0, *offsets])
         self.tolerance = tolerance
         self.failed: set[float] = set()
 
-    def row(self, receiver: Receiver) -> int:
-        """Return the row of a receiver in what a call returns."""
-        return 0 if receiver == "rail" else 1 + int(np.searchsorted(self.offsets, float(receiver)))
-
-    def __call__(self, level: int, k: int, beta: np.ndarray) -> np.ndarray:
+    def __call__(self, level: int, k: int, beta: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+        """Return the rail's response, C(β, 0), and the ground's responses; the first offset must be 0."""
         f = float(blocks.frequency(level, k))
         fit = self.fits.at(level, k)
         b = self.track.half_width
         with cost.stage("transfer functions") as spent:
             if fit.error <= 1e-2 * self.tolerance:
-                real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, self.offsets)
+                real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, offsets)
                 compliance = real + 1j * imag
             else:
                 self.failed.add(f)
                 compliance = np.array(
                     [
                         strip_compliance_by_quadrature(
-                            self.fits.ground, b, each, self.offsets, f, 1e-3 * self.tolerance
+                            self.fits.ground, b, each, offsets, f, 1e-3 * self.tolerance
                         )
                         for each in beta
                     ]
@@ -113,10 +126,41 @@ class _Evaluation:
             rail, force = track_response(self.track, beta, 2.0 * np.pi * f, compliance[0])
             spent.evaluations += beta.size
             spent.kernel_calls += 1
-        return np.concatenate([rail[None], force * compliance])
+        return np.concatenate([rail[None], compliance[:1], force * compliance])
 
 
-def _resolved_nodes(evaluate: _Evaluation, tolerance: float, refinement: int) -> Nodes:
+class _Samples:
+    """Direct values on the nodes of a class, each frequency and receiver computed once."""
+
+    UNDER = "under the track"
+    """Name of C(β, 0) among the receivers."""
+
+    def __init__(self, evaluate: _Evaluation, nodes: Nodes) -> None:
+        self._evaluate = evaluate
+        self._nodes = nodes
+        self._known: dict[tuple[int, int], dict[Receiver, np.ndarray]] = {}
+
+    def at(self, level: int, ks: np.ndarray, receivers: list[Receiver]) -> dict[Receiver, np.ndarray]:
+        """Return values (frequencies, nodes) of C(β, 0) and of some receivers at frequencies of a level."""
+        rows = [self._row(level, int(k), receivers) for k in ks]
+        return {name: np.array([row[name] for row in rows]) for name in (self.UNDER, *receivers)}
+
+    def _row(self, level: int, k: int, receivers: list[Receiver]) -> dict[Receiver, np.ndarray]:
+        while level > 0 and k % 2 == 0:
+            level, k = level - 1, k // 2
+        known = self._known.setdefault((level, k), {})
+        missing = [each for each in receivers if each not in known]
+        if missing:
+            grounds = [float(each) for each in missing if each != "rail"]
+            offsets = np.unique([0.0, *grounds])
+            beta = self._nodes.wavenumber(blocks.frequency(level, np.array([k])))[0]
+            rail, under, *ground = self._evaluate(level, k, beta, offsets)
+            known.update({"rail": rail, self.UNDER: under})
+            known.update({each: ground[int(np.searchsorted(offsets, each))] for each in grounds})
+        return known
+
+
+def _resolved_nodes(evaluate: _Evaluation, reach: float, tolerance: float, refinement: int) -> Nodes:
     """Halve panels until the last Legendre coefficients of every function are small, at three frequencies."""
     ground, block = evaluate.fits.ground, evaluate.fits.block
     ks = blocks.indices(block, 0)[[0, blocks.HALO + blocks.STEPS // 2, -1]]
@@ -130,11 +174,12 @@ def _resolved_nodes(evaluate: _Evaluation, tolerance: float, refinement: int) ->
     )
     pending = np.stack([edge[:-1], edge[1:]], axis=1)
     finished: list[np.ndarray] = []
-    peak = np.zeros((ks.size, 1 + evaluate.offsets.size))
+    offsets = np.array([0.0, reach])
+    peak = np.zeros((ks.size, 2 + offsets.size))
     for _ in range(_MOST_HALVINGS):
         # Each pending panel alone, between its own two edges.
         beta = np.concatenate([Nodes(top, largest, each).wavenumber(frequency) for each in pending], axis=1)
-        values = np.array([evaluate(0, int(k), row) for k, row in zip(ks, beta, strict=True)])
+        values = np.array([evaluate(0, int(k), row, offsets) for k, row in zip(ks, beta, strict=True)])
         peak = np.maximum(peak, np.abs(values).max(axis=2))
         bad = (unresolved(values) > 1e-2 * tolerance * peak[..., None]).any(axis=(0, 1))
         finished.append(pending[~bad])
@@ -150,14 +195,16 @@ def _resolved_nodes(evaluate: _Evaluation, tolerance: float, refinement: int) ->
 
 
 def _tables(
-    fits: GroundFits,
-    track: Track,
+    evaluate: _Evaluation,
     nodes: Nodes,
     receivers: set[Receiver],
+    certificate: float,
     tolerance: float,
     refinement: int,
 ) -> dict[Receiver, TransferBlock]:
     """Tabulate receivers on given nodes, each at the first level that passes its check, or one beyond it."""
+    fits, track = evaluate.fits, evaluate.track
+    samples = _Samples(evaluate, nodes)
     made: dict[Receiver, TransferBlock] = {}
     passed: dict[Receiver, int] = {}
     beyond = int(np.log2(refinement))
@@ -166,53 +213,49 @@ def _tables(
         pending = sorted(receivers - made.keys(), key=str)
         if not pending:
             break
-        evaluate = _Evaluation(fits, track, [float(r) for r in pending if r != "rail"], tolerance)
         ks = blocks.indices(fits.block, level)
         frequency = blocks.frequency(level, ks)
-        beta = nodes.wavenumber(frequency)
-        values = np.array([evaluate(level, int(k), each) for k, each in zip(ks, beta, strict=True)])
+        tabulated = samples.at(level, ks, pending)
         halfway = blocks.halfway(fits.block, level, _CHECKS)
+        direct = samples.at(level + 1, halfway, pending)
         f_halfway = blocks.frequency(level + 1, halfway)
-        beta_halfway = nodes.wavenumber(f_halfway)
-        direct = np.array(
-            [evaluate(level + 1, int(k), each) for k, each in zip(halfway, beta_halfway, strict=True)]
-        )
-        form = _rational_form(fits, level, ks)
+        common: dict[str, Any] = {
+            "frequency": frequency,
+            "wavenumber": nodes.wavenumber(frequency),
+            "compliance": tabulated[samples.UNDER],
+            **_rational_form(fits, level, ks),
+            "quadrature": np.isin(frequency, list(evaluate.failed)).astype(float),
+            "edge": nodes.edge,
+            "block": fits.block,
+            "level": level,
+            "top_slowness": nodes.top_slowness,
+            "largest": nodes.largest,
+            "compliance_error": certificate,
+        }
         for receiver in pending:
-            row = evaluate.row(receiver)
             distance = 0.0 if receiver == "rail" else max(float(receiver) - track.half_width, 0.0)
             # The peak is the field's: under the track for the ground, however far the receiver.
-            peak = np.abs(direct[:, min(row, 1)]).max(axis=1, keepdims=True)
-            size = np.maximum(np.abs(direct[:, row]), 1e-8 * peak)
-            errors = {}
+            under = direct[receiver] if receiver == "rail" else direct[samples.UNDER]
+            size = np.maximum(np.abs(direct[receiver]), 1e-8 * np.abs(under).max(axis=1, keepdims=True))
+            candidates = []
             for slowness in slownesses if distance > 0.0 else [0.0]:
-                between = _interpolated(fits.block, level, nodes, values[:, row], distance, slowness)
-                errors[slowness] = float((np.abs(between - direct[:, row]) / size).max())
-            slowness, error = min(errors.items(), key=lambda each: each[1])
-            if error <= tolerance or level == MOST_LEVELS:
+                table = TransferBlock(
+                    **common,
+                    transfer=tabulated[receiver],
+                    receiver="rail" if receiver == "rail" else "ground",
+                    offset=np.nan if receiver == "rail" else float(receiver),
+                    distance=distance,
+                    reference_slowness=slowness,
+                    interpolation_error=np.nan,
+                )
+                _beta, between = TransferFunction([table], track).at(fits.block, f_halfway)
+                error = float((np.abs(between - direct[receiver]) / size).max())
+                candidates.append(replace(table, interpolation_error=error))
+            best = min(candidates, key=lambda each: each.interpolation_error)
+            if best.interpolation_error <= tolerance or level == MOST_LEVELS:
                 passed.setdefault(receiver, level)
-            if level < passed.get(receiver, MOST_LEVELS) + beyond:
-                continue
-            made[receiver] = TransferBlock(
-                frequency=frequency,
-                wavenumber=beta,
-                transfer=np.ascontiguousarray(values[:, row]),
-                **form,
-                quadrature=np.isin(frequency, list(evaluate.failed)).astype(float),
-                edge=nodes.edge,
-                receiver="rail" if receiver == "rail" else "ground",
-                offset=np.nan if receiver == "rail" else float(receiver),
-                block=fits.block,
-                level=level,
-                top_slowness=nodes.top_slowness,
-                largest=nodes.largest,
-                distance=distance,
-                reference_slowness=slowness,
-                interpolation_error=error,
-                compliance_error=_compliance_error(
-                    fits, track, 0.0 if receiver == "rail" else float(receiver), tolerance
-                ),
-            )
+            if level >= passed.get(receiver, MOST_LEVELS) + beyond:
+                made[receiver] = best
     return made
 
 
@@ -233,17 +276,6 @@ def _rational_form(fits: GroundFits, level: int, ks: np.ndarray) -> dict[str, np
     }
 
 
-def _interpolated(
-    block: int, level: int, nodes: Nodes, values: np.ndarray, distance: float, slowness: float
-) -> np.ndarray:
-    """Return what a table of some values gives half-way between its frequencies, (checks, nodes)."""
-    tabulated = blocks.frequency(level, blocks.indices(block, level))
-    frequency = blocks.frequency(level + 1, blocks.halfway(block, level, _CHECKS))
-    reduced = values / decay(tabulated[:, None], nodes.wavenumber(tabulated), distance, slowness)
-    carried = decay(frequency[:, None], nodes.wavenumber(frequency), distance, slowness)
-    return np.asarray(blocks.interpolated(block, level, frequency, reduced) * carried)
-
-
 def _reference_slownesses(fits: GroundFits) -> list[float]:
     """Return slownesses of waves whose phase might be taken out, s/m: none, body waves, surface waves."""
     ground = fits.ground
@@ -261,10 +293,10 @@ def _reference_slownesses(fits: GroundFits) -> list[float]:
     return sorted({0.0, *(1.0 / speed for speed in ground.wave_speeds()), *ends})
 
 
-def _compliance_error(fits: GroundFits, track: Track, offset: float, tolerance: float) -> float:
-    """Return the largest relative error of C(β, y) against direct quadrature at a few places."""
+def _compliance_error(fits: GroundFits, track: Track, reach: float, tolerance: float) -> float:
+    """Return the largest relative error of C(β, y) against direct quadrature, at both ends of a class."""
     ks = blocks.indices(fits.block, 0)
-    offsets = np.unique([0.0, offset])
+    offsets = np.array([0.0, reach])
     b = track.half_width
     worst = 0.0
     with cost.stage("certificate") as spent:

@@ -4,13 +4,16 @@ All values are per metre of track and for both rails together. Hysteretic dampin
 stiffness is multiplied by 1 + iη sgn ω.
 """
 
+from functools import lru_cache
 from typing import Literal, Self
 
+import numba
 import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from railvib.parameters import LossFactor, NonNegative, Parameters, Positive
+from railvib.vector_math import reciprocal
 
 
 class TrackLayer(Parameters):
@@ -91,10 +94,6 @@ class Track(Parameters):
         return (self.mat, *self.layers) if self.mat is not None else self.layers
 
 
-def _complex_stiffness(stiffness: float, loss_factor: float, omega: np.ndarray) -> np.ndarray:
-    return np.asarray(stiffness * (1.0 + 1j * loss_factor * np.sign(omega)))
-
-
 def track_response(
     track: Track, wavenumber: npt.ArrayLike, omega: npt.ArrayLike, compliance: npt.ArrayLike
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -121,34 +120,58 @@ def track_response(
     CONVENTIONS section 3; Sheng, Jones and Petyt (1999). Written with the ground's flexibility, so that a
     rigid or a very stiff ground needs no division by it.
     """
-    beta = np.asarray(wavenumber, float)
-    w = np.asarray(omega, float)
-    c = np.asarray(compliance, complex)
-    force = np.ones(np.broadcast_shapes(beta.shape, w.shape, c.shape), complex)
-    # From the ground up: c is the flexibility seen from above, force the ground's force per displacement ×
-    # 1/flexibility.
-    for layer in reversed(track.bed):
-        k = _complex_stiffness(layer.stiffness, layer.loss_factor, w)
-        diagonal = k - w**2 * layer.mass / 3.0
-        coupling = k + w**2 * layer.mass / 6.0
-        # Force at the bottom per force at the top, and flexibility at the top.
-        bottom = 1.0 + diagonal * c
-        top = diagonal * bottom - coupling**2 * c
-        force = force * coupling / top
-        c = bottom / top
-    if track.form == "slab":
-        bending = _complex_stiffness(track.slab_bending_stiffness or 0.0, track.slab_loss_factor or 0.0, w)
-        inertia = bending * beta**4 - w**2 * (track.slab_mass or 0.0)
-    else:
-        inertia = -(w**2) * (track.sleeper_mass or 0.0)
-    loaded = 1.0 / (1.0 + inertia * c)
-    force = force * loaded
-    c = c * loaded
-    pad = _complex_stiffness(track.pad_stiffness, track.pad_loss_factor, w)
-    c = c + 1.0 / pad
-    rail = (
-        _complex_stiffness(track.rail_bending_stiffness, track.rail_loss_factor, w) * beta**4
-        - w**2 * track.rail_mass
+    beta, w, c = np.broadcast_arrays(
+        np.asarray(wavenumber, float), np.asarray(omega, float), np.asarray(compliance, complex)
     )
-    loaded = 1.0 / (1.0 + rail * c)
-    return c * loaded, force * loaded
+    rail, force = _responses(beta.ravel(), w.ravel(), c.ravel(), *_parameters(track))
+    return rail.reshape(beta.shape), force.reshape(beta.shape)
+
+
+@lru_cache(64)
+def _parameters(track: Track) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return stiffness, mass and loss factor of the bed from below, slab or sleepers, pads and rails."""
+    bed = [(layer.stiffness, layer.mass, layer.loss_factor) for layer in reversed(track.bed)]
+    if track.form == "slab":
+        support = (track.slab_bending_stiffness, track.slab_mass, track.slab_loss_factor or 0.0)
+    else:
+        support = (0.0, track.sleeper_mass, 0.0)
+    return (
+        np.array(bed, float).reshape(-1, 3),
+        np.array(support, float),
+        np.array([track.pad_stiffness, 0.0, track.pad_loss_factor]),
+        np.array([track.rail_bending_stiffness, track.rail_mass, track.rail_loss_factor]),
+    )
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _responses(beta, omega, compliance, bed, support, pad, rail):
+    """Return the rail's displacement and the ground's force of many β, ω̂ and C."""
+    n = beta.shape[0]
+    displacement = np.empty(n, np.complex128)
+    pressed = np.empty(n, np.complex128)
+    layers = bed.shape[0]
+    for i in range(n):
+        w2 = omega[i] * omega[i]
+        sign = 1.0 if omega[i] > 0.0 else (-1.0 if omega[i] < 0.0 else 0.0)
+        b4 = beta[i] * beta[i] * beta[i] * beta[i]
+        # From the ground up: c is the flexibility seen from above, force that on the ground per force above.
+        c = compliance[i]
+        force = 1.0 + 0j
+        for layer in range(layers):
+            k = complex(bed[layer, 0], sign * bed[layer, 0] * bed[layer, 2])
+            diagonal = k - w2 * bed[layer, 1] / 3.0
+            coupling = k + w2 * bed[layer, 1] / 6.0
+            # Force at the bottom per force at the top, and flexibility at the top.
+            bottom = 1.0 + diagonal * c
+            top = reciprocal(diagonal * bottom - coupling * coupling * c)
+            force *= coupling * top
+            c = bottom * top
+        loaded = reciprocal(
+            1.0 + c * complex(support[0] * b4 - w2 * support[1], sign * support[0] * support[2] * b4)
+        )
+        force *= loaded
+        c = c * loaded + reciprocal(complex(pad[0], sign * pad[0] * pad[2]))
+        loaded = reciprocal(1.0 + c * complex(rail[0] * b4 - w2 * rail[1], sign * rail[0] * rail[2] * b4))
+        displacement[i] = c * loaded
+        pressed[i] = force * loaded
+    return displacement, pressed

@@ -64,7 +64,7 @@ def train_integrals(
             x, weight = _points(axle_position, wavelength)
             step = min(_COARSEST_STEP, wavelength / _STEPS_PER_WAVELENGTH)
             grid = step * np.arange(int(np.ceil(np.ptp(axle_position) / step)) + 5)
-            _beta, transfer = table.at(f[here])
+            _beta, transfer = receiver.at(int(block), f[here])
             integral[here] = _products(
                 table.nodes.panel_edges(f[here]),
                 np.stack([transfer.real, transfer.imag], axis=1).reshape(transfer.shape[0], 2, -1, ORDER),

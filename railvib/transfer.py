@@ -7,18 +7,21 @@ the blocks; here is how they are read.
 Wavenumbers follow one coordinate u at all frequencies of a block, because the peaks of the functions stay at
 the waves' slownesses: for u ≤ 1, β = ω·s·u with s a slowness above every wave's; beyond, β goes
 geometrically to `largest`. Panels have their edges at fixed u, and Gauss–Legendre nodes in β between them.
+
+Between the frequencies of a table the ground's compliance is interpolated, and the track is put on it
+exactly: rails on pads resonate more sharply than damped ground, and would ask for many more frequencies.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numba
 import numpy as np
 
 from railvib import blocks
 from railvib.blocks import STENCIL
-from railvib.panels import BARYCENTRIC, NODE, ORDER, nodes_between, stencil_weights
+from railvib.panels import ORDER, nodes_between, panel_weights, stencil_weights
+from railvib.track import Track, track_response
 from railvib.vector_math import cos_sin, exp
 
 Receiver = str | float
@@ -39,6 +42,13 @@ class TransferBlock:
             "unit": "m2/N",
             "description": "displacement of the receiver per load on the rail",
             "called_by": "receiver",
+        }
+    )
+    compliance: np.ndarray | None = field(
+        metadata={
+            "dims": ("frequency", "node"),
+            "unit": "m2/N",
+            "description": "displacement of the ground under the track per load on it; none if not known",
         }
     )
     pole: np.ndarray = field(
@@ -111,29 +121,6 @@ class TransferBlock:
             f"error {self.interpolation_error:.1e} is above the tolerance {tolerance:g}"
         )
 
-    @cached_property
-    def reduced(self) -> np.ndarray:
-        """The transfer function without the reference wave's decay, (frequency, node)."""
-        carried = decay(self.frequency[:, None], self.wavenumber, self.distance, self.reference_slowness)
-        return np.asarray(self.transfer / carried)
-
-    def at(self, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Interpolate to other frequencies of the block, on the nodes.
-
-        Parameters
-        ----------
-        frequency
-            Hz, (n,), inside the block.
-
-        Returns
-        -------
-        wavenumber, transfer : ndarray, shape (n, node)
-            Wavenumbers in rad/m, and the transfer function there in m²/N.
-        """
-        beta = self.nodes.wavenumber(frequency)
-        reduced = blocks.interpolated(self.block, self.level, frequency, self.reduced)
-        return beta, reduced * decay(frequency[:, None], beta, self.distance, self.reference_slowness)
-
 
 @dataclass(frozen=True)
 class Nodes:
@@ -179,13 +166,47 @@ def _decay(k, beta, distance):
 
 
 class TransferFunction:
-    """The transfer function of one receiver over all its blocks."""
+    """The transfer function of one receiver over all its blocks.
 
-    def __init__(self, table: Iterable[TransferBlock]) -> None:
+    Parameters
+    ----------
+    table
+        Its blocks.
+    track
+        The track on the ground, to be put exactly on interpolated compliances. Without it, as for tables that
+        hold no compliance, the transfer function itself is interpolated.
+    """
+
+    def __init__(self, table: Iterable[TransferBlock], track: Track | None = None) -> None:
         self.blocks = {each.block: each for each in sorted(table, key=lambda each: each.block)}
+        self.track = track
         self.lowest = float(blocks.edges(min(self.blocks))[0])
         self.highest = float(blocks.edges(max(self.blocks))[1])
         self.reach = min(each.largest for each in self.blocks.values())
+        self._reduced: dict[int, np.ndarray] = {}
+
+    def at(self, block: int, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Interpolate to other frequencies of a block, on its nodes.
+
+        Parameters
+        ----------
+        block
+            Index of the block.
+        frequency
+            Hz, (n,), inside the block.
+
+        Returns
+        -------
+        wavenumber, transfer : ndarray, shape (n, node)
+            Wavenumbers in rad/m, and the transfer function there in m²/N.
+        """
+        table = self.blocks[block]
+        beta = table.nodes.wavenumber(frequency)
+
+        def between(rows: np.ndarray) -> np.ndarray:
+            return blocks.interpolated(block, table.level, frequency, rows)
+
+        return beta, self._loaded(table, frequency[:, None], beta, between)
 
     def response(self, wavenumber: np.ndarray, omega: np.ndarray) -> np.ndarray:
         """Interpolate to any wavenumbers and frequencies; for the rail and receivers on the track.
@@ -212,15 +233,7 @@ class TransferFunction:
         f = np.maximum(np.abs(omega) / (2.0 * np.pi), self.lowest)
         if f.size and f.max() > self.highest * (1.0 + 1e-9):
             raise ValueError(f"frequency {f.max():g} Hz lies above the tabulated {self.highest:g} Hz")
-        which = blocks.assigned(f, self.blocks)
-        value = np.empty(beta.shape, complex)
-        for block in np.unique(which):
-            here = which == block
-            table = self.blocks[int(block)]
-            at = blocks.position(table.block, table.level, f[here])
-            value[here] = _interpolate(
-                at, f[here], beta[here], table.transfer, table.edge, table.top_slowness, table.largest
-            )
+        value = self._scattered(f, beta)
         return np.where(omega < 0.0, value.conj(), value)
 
     def along(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
@@ -238,32 +251,82 @@ class TransferFunction:
         ndarray of complex, shape (n,)
             m²/N.
         """
-        beta = np.abs(wavenumber)
+        return self._scattered(frequency, np.abs(wavenumber))
+
+    def _scattered(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
+        """Interpolate at pairs of frequency and wavenumber ≥ 0; zero beyond the largest of a table."""
         which = blocks.assigned(frequency, self.blocks)
-        value = np.empty(beta.shape, complex)
+        value = np.empty(wavenumber.shape, complex)
         for block in np.unique(which):
             here = which == block
             table = self.blocks[int(block)]
             f = frequency[here]
-            at = blocks.position(table.block, table.level, f)
-            inside = beta[here] <= table.largest
-            b = np.minimum(beta[here], table.largest)
-            reduced = _interpolate(at, f, b, table.reduced, table.edge, table.top_slowness, table.largest)
-            carried = reduced * decay(f, b, table.distance, table.reference_slowness)
-            value[here] = np.where(inside, carried, 0.0)
+            beta = np.minimum(wavenumber[here], table.largest)
+            places = _places(
+                blocks.position(table.block, table.level, f),
+                f,
+                beta,
+                table.frequency.size,
+                table.edge,
+                table.top_slowness,
+                table.largest,
+            )
+
+            def between(rows: np.ndarray, places: _Places = places) -> np.ndarray:
+                return np.asarray(_weighted(*places, np.ascontiguousarray(rows)))
+
+            found = self._loaded(table, f, beta, between)
+            value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)
         return value
+
+    def _loaded(
+        self,
+        table: TransferBlock,
+        frequency: np.ndarray,
+        wavenumber: np.ndarray,
+        between: Callable[[np.ndarray], np.ndarray],
+    ) -> np.ndarray:
+        """Return the transfer function at places between which `between` interpolates rows of a table."""
+        if self.track is None or table.compliance is None:
+            return between(self._without_phase(table)) * _phase(table, frequency, wavenumber)
+        under = between(table.compliance)
+        rail, force = track_response(self.track, wavenumber, 2.0 * np.pi * frequency, under)
+        if table.receiver == "rail":
+            return rail
+        if table.offset == 0.0:
+            return force * under
+        return force * (between(self._without_phase(table)) * _phase(table, frequency, wavenumber))
+
+    def _without_phase(self, table: TransferBlock) -> np.ndarray:
+        """Return what is interpolated: the receiver's compliance without the reference wave's decay."""
+        if table.block not in self._reduced:
+            value = table.transfer / _phase(table, table.frequency[:, None], table.wavenumber)
+            if self.track is not None and table.compliance is not None:
+                omega = 2.0 * np.pi * table.frequency[:, None]
+                value /= track_response(self.track, table.wavenumber, omega, table.compliance)[1]
+            self._reduced[table.block] = value
+        return self._reduced[table.block]
+
+
+def _phase(table: TransferBlock, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
+    return decay(frequency, wavenumber, table.distance, table.reference_slowness)
+
+
+_Places = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""First row and its stencil's weights, first node of a panel and its nodes' weights."""
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _interpolate(at, frequency, beta, table, edge, top_slowness, largest):
-    """Interpolate a table (frequency, node) at scattered points: Lagrange in ln f, polynomial in a panel."""
-    weight = np.empty(STENCIL)
-    basis = np.empty(ORDER)
-    out = np.empty(beta.shape[0], np.complex128)
-    for i in range(beta.shape[0]):
-        first = min(max(int(np.floor(at[i])) - STENCIL // 2 + 1, 0), table.shape[0] - STENCIL)
-        t = at[i] - first
-        stencil_weights(t, weight)
+def _places(at, frequency, beta, rows, edge, top_slowness, largest):
+    """Return where scattered points lie in a table: Lagrange weights in ln f, polynomial ones in a panel."""
+    n = beta.shape[0]
+    row = np.empty(n, np.int64)
+    stencil = np.empty((n, STENCIL))
+    node = np.empty(n, np.int64)
+    basis = np.empty((n, ORDER))
+    for i in range(n):
+        row[i] = min(max(int(np.floor(at[i])) - STENCIL // 2 + 1, 0), rows - STENCIL)
+        stencil_weights(at[i] - row[i], stencil[i])
         dense = 2.0 * np.pi * frequency[i] * top_slowness
         u = beta[i] / dense
         if u > 1.0:
@@ -275,25 +338,21 @@ def _interpolate(at, frequency, beta, table, edge, top_slowness, largest):
             if edge[panel + 1] <= 1.0
             else dense * (largest / dense) ** (edge[panel + 1] - 1.0)
         )
-        x = (2.0 * beta[i] - low - high) / (high - low)
-        total = 0.0
-        exact = -1
-        for j in range(ORDER):
-            d = x - NODE[j]
-            if d == 0.0:
-                exact = j
-                break
-            basis[j] = BARYCENTRIC[j] / d
-            total += basis[j]
+        node[i] = panel * ORDER
+        panel_weights((2.0 * beta[i] - low - high) / (high - low), basis[i])
+    return row, stencil, node, basis
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _weighted(row, stencil, node, basis, table):
+    """Return the weighted sums over stencils and panels of a table (frequency, node)."""
+    out = np.empty(row.shape[0], np.complex128)
+    for i in range(row.shape[0]):
         value = 0j
         for m in range(STENCIL):
-            row = 0j
-            if exact >= 0:
-                row = table[first + m, panel * ORDER + exact]
-            else:
-                for j in range(ORDER):
-                    row += basis[j] * table[first + m, panel * ORDER + j]
-                row /= total
-            value += weight[m] * row
+            along = 0j
+            for j in range(ORDER):
+                along += basis[i, j] * table[row[i] + m, node[i] + j]
+            value += stencil[i, m] * along
         out[i] = value
     return out

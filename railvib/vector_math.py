@@ -95,3 +95,10 @@ def cos_sin(x):
     cosine = _double(_bits(cosine) ^ (((q + np.int64(1)) & np.int64(2)) << np.int64(62)))
     sine = _double(_bits(sine) ^ ((q & np.int64(2)) << np.int64(62)))
     return cosine, sine
+
+
+@numba.njit(inline="always", error_model="numpy")
+def reciprocal(z):
+    """Return 1/z of a complex z without the branches of a general division; |z|² must not overflow."""
+    scale = 1.0 / (z.real * z.real + z.imag * z.imag)
+    return complex(z.real * scale, -z.imag * scale)

@@ -22,7 +22,7 @@ from railvib.moving_roughness import LineIntegrals, line_integrals
 from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
 from railvib.spectra import Spectra, highest_excitation, line_step, lines, spectra
-from railvib.tabulation import MOST_LEVELS, largest_wavenumber, transfer_blocks
+from railvib.tabulation import MOST_LEVELS, largest_wavenumber, transfer_blocks_by_class
 from railvib.track import Track
 from railvib.train_average import TrainIntegrals, train_integrals
 from railvib.transfer import TransferBlock, TransferFunction
@@ -167,18 +167,15 @@ def _covering(band: tuple[float, ...]) -> range:
 
 def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TransferBlock]]:
     first = units[0].inputs
-    made = transfer_blocks(
-        Ground(**first["ground"]),
-        Track(**first["track"]),
-        int(first["block"]),
-        [unit.inputs["receiver"] for unit in units],
-        first["tolerance"],
-    )
-    for unit in units:
-        shortfall = made[unit.inputs["receiver"]].shortfall(first["tolerance"])
-        if shortfall:
-            warnings.warn(shortfall, AccuracyWarning, stacklevel=1)
-    yield {unit: made[unit.inputs["receiver"]] for unit in units}
+    asked = {unit.inputs["receiver"]: unit for unit in units}
+    for made in transfer_blocks_by_class(
+        Ground(**first["ground"]), Track(**first["track"]), int(first["block"]), asked, first["tolerance"]
+    ):
+        for table in made.values():
+            shortfall = table.shortfall(first["tolerance"])
+            if shortfall:
+                warnings.warn(shortfall, AccuracyWarning, stacklevel=1)
+        yield {asked[receiver]: table for receiver, table in made.items()}
 
 
 def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
@@ -192,11 +189,12 @@ def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
 def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, ReceptanceBlock]]:
     for unit in units:
         inputs = unit.inputs
-        rail = TransferFunction([load(need) for need in _receptance_needs(inputs)])
+        track = Track(**inputs["track"])
+        rail = TransferFunction([load(need) for need in _receptance_needs(inputs)], track)
         yield {
             unit: receptance_block(
                 rail,
-                Track(**inputs["track"]),
+                track,
                 inputs["speed"],
                 inputs["distances"],
                 int(inputs["block"]),
@@ -212,6 +210,12 @@ def _receiver_units(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
     )
 
 
+def _transfer_function(inputs: Inputs, receiver: str | float, load: Load) -> TransferFunction:
+    """Return one receiver's transfer function over a unit's one-third octaves."""
+    table = [load(need) for need in _receiver_units(inputs, receiver)]
+    return TransferFunction(table, Track(**inputs["track"]))
+
+
 def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
     return _receiver_units(inputs, inputs["receiver"])
 
@@ -219,14 +223,14 @@ def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
 def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegrals]]:
     for unit in units:
         inputs = unit.inputs
-        receiver = TransferFunction([load(need) for need in _integral_needs(inputs)])
+        receiver = _transfer_function(inputs, inputs["receiver"], load)
         yield {unit: line_integrals(receiver, inputs["distances"], _lines(inputs))}
 
 
 def _train_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TrainIntegrals]]:
     for unit in units:
         inputs = unit.inputs
-        receiver = TransferFunction([load(need) for need in _integral_needs(inputs)])
+        receiver = _transfer_function(inputs, inputs["receiver"], load)
         yield {unit: train_integrals(receiver, np.asarray(inputs["axle_position"]), _lines(inputs))}
 
 
@@ -277,10 +281,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 inputs["speed"],
                 np.asarray(inputs["band"]),
                 Receptances([load(need) for need in _spectra_rail(inputs)]),
-                {
-                    receiver: TransferFunction([load(need) for need in _receiver_units(inputs, receiver)])
-                    for receiver in receivers
-                },
+                {receiver: _transfer_function(inputs, receiver, load) for receiver in receivers},
                 None if full else {each: load(_line_integral_unit(inputs, each)) for each in receivers},
                 _excited_up_to(inputs) if full else None,
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}

@@ -61,6 +61,8 @@ def tables() -> Tables:
         ground: Ground, track: Track, blocks: range, receivers: tuple[Receiver, ...], tolerance: float = 1e-4
     ) -> dict[Receiver, TransferFunction]:
         made = [block_tables(ground, track, block, receivers, tolerance) for block in blocks]
-        return {receiver: TransferFunction(each[receiver] for each in made) for receiver in receivers}
+        return {
+            receiver: TransferFunction((each[receiver] for each in made), track) for receiver in receivers
+        }
 
     return functions
