@@ -287,15 +287,18 @@ class TransferFunction:
         between: Callable[[np.ndarray], np.ndarray],
     ) -> np.ndarray:
         """Return the transfer function at places between which `between` interpolates rows of a table."""
+        value: np.ndarray
         if self.track is None or table.compliance is None:
-            return between(self._without_phase(table)) * _phase(table, frequency, wavenumber)
+            value = between(self._without_phase(table)) * _phase(table, frequency, wavenumber)
+            return value
         under = between(table.compliance)
-        rail, force = track_response(self.track, wavenumber, 2.0 * np.pi * frequency, under)
+        value, force = track_response(self.track, wavenumber, 2.0 * np.pi * frequency, under)
         if table.receiver == "rail":
-            return rail
-        if table.offset == 0.0:
-            return force * under
-        return force * (between(self._without_phase(table)) * _phase(table, frequency, wavenumber))
+            return value
+        if table.offset > 0.0:
+            under = between(self._without_phase(table)) * _phase(table, frequency, wavenumber)
+        value = force * under
+        return value
 
     def _without_phase(self, table: TransferBlock) -> np.ndarray:
         """Return what is interpolated: the receiver's compliance without the reference wave's decay."""
