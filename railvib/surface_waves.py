@@ -68,15 +68,16 @@ def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
     found: list[complex] = []
     for candidate in near:
         first = complex(candidate.real, -abs(candidate.imag))
-        k, search = newton(
-            inverse,
-            first,
-            x1=first * (1.0 + 1e-6),
-            tol=1e-13 * abs(first),
-            maxiter=_MOST_STEPS,
-            full_output=True,
-            disp=False,
-        )
+        with np.errstate(invalid="ignore", over="ignore"):  # of a search that runs away
+            k, search = newton(
+                inverse,
+                first,
+                x1=first * (1.0 + 1e-6),
+                tol=1e-13 * abs(first),
+                maxiter=_MOST_STEPS,
+                full_output=True,
+                disp=False,
+            )
         close = abs(k - first) < 0.1 * abs(first)
         decays = abs(k.imag) <= limit * k.real
         slower = rigid or k.real > omega / fastest

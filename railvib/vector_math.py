@@ -1,4 +1,4 @@
-"""Exponential, sine and cosine that a compiler can vectorise.
+"""Exponential, sine and cosine, complex root and reciprocal that a compiler can vectorise.
 
 The library functions are called one value at a time, which costs more than everything else in the kernels of
 this project. These are straight-line polynomials: Cody–Waite range reduction, then minimax or Taylor
@@ -102,3 +102,14 @@ def reciprocal(z):
     """Return 1/z of a complex z without the branches of a general division; |z|² must not overflow."""
     scale = 1.0 / (z.real * z.real + z.imag * z.imag)
     return complex(z.real * scale, -z.imag * scale)
+
+
+@numba.njit(inline="always", error_model="numpy")
+def root(z):
+    """Return the square root of a complex z with a real part that is not negative."""
+    size = np.sqrt(z.real * z.real + z.imag * z.imag)
+    big = np.sqrt(0.5 * (size + abs(z.real)))
+    small = 0.5 * abs(z.imag) / max(big, 1e-300)
+    real = big if z.real >= 0.0 else small
+    imag = small if z.real >= 0.0 else big
+    return complex(real, imag if z.imag >= 0.0 else -imag)
