@@ -33,7 +33,7 @@ class GroundFits:
         f = float(blocks.frequency(level, k))
         if (level, k) != (0, first) and self.ground.homogeneous:
             return self.at(0, first).scaled(f / float(blocks.frequency(0, first)))
-        start = None if (level, k) == (0, first) else self.at(level, k - 1).support
+        start = None if (level, k) == (0, first) else self.at(level, k - 1).start
         with cost.stage("fit") as spent:
             fit = fit_flexibility(self.ground, f, self.tolerance, start)
             spent.kernel_calls += 1

@@ -98,7 +98,7 @@ def critical_speed(ground: Ground, track: Track, maximum_frequency: float = 100.
     for frequency in np.geomspace(1.0, max(maximum_frequency, 2.0), 30):
         omega = 2.0 * np.pi * frequency
         fit = fit_flexibility(ground, float(frequency), 1e-6, start)
-        start = fit.support
+        start = fit.start
         speed = np.linspace(3.0, 0.3, 400) * ground.slowest_speed
         real, imag = strip_compliances(
             omega / speed, fit.pole, fit.residue, fit.constant, track.half_width, np.array([0.0])

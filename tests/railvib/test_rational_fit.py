@@ -50,7 +50,7 @@ def test_certificate_holds_where_it_was_not_checked(soil, frequency, request):
 
 def test_warm_start_gives_the_same_function(greby):
     cold = fit_flexibility(greby, 20.0, 1e-9)
-    warm = fit_flexibility(greby, 20.5, 1e-9, start=cold.support)
+    warm = fit_flexibility(greby, 20.5, 1e-9, start=cold.start)
     again = fit_flexibility(greby, 20.5, 1e-9)
     rho = np.geomspace(1e-2, 200.0, 300)
     np.testing.assert_allclose(warm.flexibility(rho), again.flexibility(rho), rtol=1e-7)
