@@ -11,7 +11,7 @@ because the phases of the forces are taken out, and are computed once on a grid 
 frequency.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numba
@@ -19,9 +19,9 @@ import numpy as np
 
 from railvib import blocks, cost
 from railvib.forces import arrivals, force_matrices
-from railvib.panels import BARYCENTRIC, NODE, ORDER, WEIGHT, lagrange_weights
+from railvib.panels import NODE, ORDER, WEIGHT, panel_weights
 from railvib.receptance import Receptances
-from railvib.transfer import Receiver, TransferFunction
+from railvib.transfer import Nodes, Receiver, TransferFunction
 from railvib.unevenness import Unevenness
 from railvib.vehicle import Train
 
@@ -32,6 +32,8 @@ _LOWEST_HZ = 0.005
 _LINES_AT_ONCE = 64
 _SHORTEST_PART, _LONGEST_PART = 12.0, 60.0
 """Bounds of a part of a panel, in steps of the fine and of the coarse grid; it has twelve nodes."""
+_MOST_PARTS = 64
+"""Parts of panels that are gathered before the excitation is interpolated for all of them."""
 _NEGLIGIBLE = 1e-16
 """Share of ∫ |H̃|² below which a panel is passed over: no excitation is stronger than another by that much."""
 
@@ -50,6 +52,11 @@ class Excitation:
     """α, m, (axles,)."""
     wavenumbers: tuple[float, float] = (0.0, np.inf)
     """Where the unevenness is cut off, lowest and highest β, rad/m; the amplitudes go on beyond, smoothly."""
+
+    @property
+    def both_sides(self) -> np.ndarray:
+        """q_l at −β, its conjugate, from the far end to zero, then at β: (axles, 2·β)."""
+        return np.concatenate([self.amplitude[::-1].conj(), self.amplitude]).T
 
 
 def excitation(
@@ -124,54 +131,92 @@ def passage_spectra(
         for start in range(0, frequency.size, _LINES_AT_ONCE):
             here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
             turn = np.exp(2j * np.pi / speed * frequency[here, None] * excited.axle_position)
-            ahead = turn @ excited.amplitude.T
-            behind = turn @ excited.amplitude.conj().T
-            for receiver, transfer in receivers.items():
-                which = blocks.assigned(frequency[here], transfer.blocks)
-                for block in np.unique(which):
-                    own = np.flatnonzero(which == block)
-                    f = frequency[here[own]]
-                    table = transfer.blocks[int(block)]
-                    _beta, value = transfer.at(int(block), f)
-                    psd[receiver][here[own]] = _wavenumber_integrals(
-                        table.nodes.panel_edges(f),
-                        value,
-                        2.0 * np.pi * f / speed,
-                        ahead[own],
-                        behind[own],
-                        excited.step[0],
-                        excited.step[1],
-                        excited.joint,
-                        *excited.wavenumbers,
-                    )
-                    spent.evaluations += 2 * value.size
-                    spent.kernel_calls += 1
+            # A(β) over −β … β in one row, so that a receiver finds both sides of zero there.
+            amplitude = turn @ excited.both_sides
+            for members, block, own in _same_nodes(receivers, frequency[here]):
+                f = frequency[here[own]]
+                value = np.stack([receivers[each].at(block, f)[1] for each in members], axis=1)
+                integrals = _wavenumber_integrals(
+                    receivers[members[0]].blocks[block].nodes.panel_edges(f),
+                    value,
+                    2.0 * np.pi * f / speed,
+                    amplitude[own].real.copy(),
+                    amplitude[own].imag.copy(),
+                    excited.step[0],
+                    excited.step[1],
+                    excited.joint,
+                    *excited.wavenumbers,
+                )
+                for receiver, integral in zip(members, integrals.T, strict=True):
+                    psd[receiver][here[own]] = integral
+                spent.evaluations += 2 * value.size
+                spent.kernel_calls += 1
     return {receiver: each / (train_length * speed) for receiver, each in psd.items()}
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _amplitude(beta, ahead, behind, fine, coarse, joint, weight):
-    """Return |A(β)|² from its values on the two joined grids; ahead for β ≥ 0, behind for −β."""
-    row = ahead if beta >= 0.0 else behind
-    b = abs(beta)
+def _same_nodes(
+    receivers: Mapping[Receiver, TransferFunction], frequency: np.ndarray
+) -> Iterator[tuple[list[Receiver], int, np.ndarray]]:
+    """Yield receivers whose tables have the same nodes, the block of the tables, and its frequencies' indices."""
+    groups: dict[tuple[int, Nodes], list[Receiver]] = {}
+    which: dict[int, np.ndarray] = {}
+    for receiver, transfer in receivers.items():
+        assigned = blocks.assigned(frequency, transfer.blocks)
+        for block in np.unique(assigned):
+            groups.setdefault((int(block), transfer.blocks[int(block)].nodes), []).append(receiver)
+            which[int(block)] = np.flatnonzero(assigned == block)
+    for (block, _nodes), members in groups.items():
+        yield members, block, which[block]
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _squared_amplitudes(beta, count, real, imag, fine, coarse, joint, out, first, weight):
+    """Write |A(β)|² at `count` places β of either sign to `out`, interpolated from the two joined grids.
+
+    `real` and `imag` hold A at −β, descending to zero, then at β, ascending; `first` and `weight` are room to
+    work in.
+    """
+    points = real.shape[0] // 2
     last = fine * (joint - 1)
-    if b < last:
-        at = b / fine
-        low = 0
-        high = joint
-    else:
-        at = (b - last) / coarse + joint - 1
-        low = joint - 1
-        high = row.shape[0]
-    if at > row.shape[0] - 1:
-        return 0.0
-    first = min(max(int(np.floor(at)) - 3, low), high - 8)
-    t = at - first
-    lagrange_weights(t, weight)
-    value = 0j
-    for m in range(8):
-        value += weight[m] * row[first + m]
-    return value.real * value.real + value.imag * value.imag
+    for i in range(count):
+        b = abs(beta[i])
+        near = b < last
+        at = b / fine if near else (b - last) / coarse + (joint - 1)
+        low = 0 if near else joint - 1
+        high = (joint if near else points) - 8
+        n = min(max(int(at) - 3, low), high)
+        t = at - n
+        # Beyond the grids there is no excitation.
+        scale = 1.0 if at <= points - 1 else 0.0
+        a01 = t * (t - 1.0)
+        a23 = (t - 2.0) * (t - 3.0)
+        a45 = (t - 4.0) * (t - 5.0)
+        a67 = (t - 6.0) * (t - 7.0)
+        below = scale * a01 * a23
+        above = scale * a45 * a67
+        weight[0, i] = -(t - 1.0) * a23 * above / 5040.0
+        weight[1, i] = t * a23 * above / 720.0
+        weight[2, i] = -a01 * (t - 3.0) * above / 240.0
+        weight[3, i] = a01 * (t - 2.0) * above / 144.0
+        weight[4, i] = -below * (t - 5.0) * a67 / 144.0
+        weight[5, i] = below * (t - 4.0) * a67 / 240.0
+        weight[6, i] = -below * a45 * (t - 7.0) / 720.0
+        weight[7, i] = below * a45 * (t - 6.0) / 5040.0
+        first[i] = n
+    for i in range(count):
+        re = 0.0
+        im = 0.0
+        if beta[i] >= 0.0:
+            n = points + first[i]
+            for m in range(8):
+                re += weight[m, i] * real[n + m]
+                im += weight[m, i] * imag[n + m]
+        else:
+            n = points - 1 - first[i]
+            for m in range(8):
+                re += weight[m, i] * real[n - m]
+                im += weight[m, i] * imag[n - m]
+        out[i] = re * re + im * im
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -190,64 +235,112 @@ def _part_end(start, high, side, shift, shortest, longest, lowest, highest):
     return end
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _wavenumber_integrals(edge, transfer, shift, ahead, behind, fine, coarse, joint, lowest, highest):
-    """Return ∫ |H̃(κ)|² |A(κ + shift)|² dκ over lowest ≤ |κ + shift| ≤ highest for every line."""
-    lagrange = np.empty(8)
-    size = np.empty(edge.shape[1] - 1)
-    out = np.zeros(edge.shape[0])
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _wavenumber_integrals(edge, transfer, shift, real, imag, fine, coarse, joint, lowest, highest):
+    """Return ∫ |H̃(κ)|² |A(κ + shift)|² dκ over lowest ≤ |κ + shift| ≤ highest, (lines, receivers).
+
+    `transfer` is (lines, receivers, nodes). The excitation is found once for all receivers.
+    """
+    lines, receivers, nodes = transfer.shape
+    panels = nodes // ORDER
+    out = np.zeros((lines, receivers))
     shortest = _SHORTEST_PART * fine
     longest = _LONGEST_PART * coarse
-    for i in range(edge.shape[0]):
-        total = 0.0
-        for p in range(edge.shape[1] - 1):
-            low = edge[i, p]
-            high = edge[i, p + 1]
-            size[p] = 0.0
-            for j in range(ORDER):
-                h = transfer[i, p * ORDER + j]
-                size[p] = max(size[p], (high - low) * (h.real * h.real + h.imag * h.imag))
-        negligible = _NEGLIGIBLE * size.sum()
-        for p in range(edge.shape[1] - 1):
-            if size[p] < negligible:
+    most = ORDER * _MOST_PARTS
+    beta = np.empty(most)
+    factor = np.empty(most)
+    squared = np.empty(most)
+    first = np.empty(most, np.int64)
+    weight = np.empty((8, most))
+    panel = np.empty(_MOST_PARTS, np.int64)
+    whole = np.empty(_MOST_PARTS, np.bool_)
+    offset = np.empty(most)
+    basis = np.empty(ORDER)
+    power = np.empty((receivers, nodes))
+    needed = np.empty(panels, np.bool_)
+    for i in range(lines):
+        needed[:] = False
+        for q in range(receivers):
+            for j in range(nodes):
+                h = transfer[i, q, j]
+                power[q, j] = h.real * h.real + h.imag * h.imag
+            _mark_needed(edge[i], power[q], needed)
+        parts = 0
+        for p in range(panels):
+            if not needed[p]:
                 continue
             low = edge[i, p]
             high = edge[i, p + 1]
-            middle = 0.5 * (low + high)
-            half = 0.5 * (high - low)
             for side in (-1.0, 1.0):
                 start = low
                 while start < high * (1.0 - 1e-12):
                     end = _part_end(start, high, side, shift[i], shortest, longest, lowest, highest)
-                    beta = abs(0.5 * side * (start + end) + shift[i])
-                    if beta < lowest or beta > highest:
-                        start = end
-                        continue
-                    own = start == low and end == high
-                    for j in range(ORDER):
-                        kappa = 0.5 * (start + end) + 0.5 * (end - start) * NODE[j]
-                        if own:
-                            h = transfer[i, p * ORDER + j]
-                        else:
-                            x = (kappa - middle) / half
-                            numerator = 0j
-                            denominator = 0.0
-                            for k in range(ORDER):
-                                d = x - NODE[k]
-                                if d == 0.0:
-                                    d = 1e-300
-                                w = BARYCENTRIC[k] / d
-                                numerator += w * transfer[i, p * ORDER + k]
-                                denominator += w
-                            h = numerator / denominator
-                        squared = h.real * h.real + h.imag * h.imag
-                        a = _amplitude(
-                            side * kappa + shift[i], ahead[i], behind[i], fine, coarse, joint, lagrange
-                        )
-                        total += 0.5 * (end - start) * WEIGHT[j] * squared * a
+                    centre = 0.5 * (start + end)
+                    half = 0.5 * (end - start)
+                    if lowest <= abs(side * centre + shift[i]) <= highest:
+                        for j in range(ORDER):
+                            n = parts * ORDER + j
+                            kappa = centre + half * NODE[j]
+                            beta[n] = side * kappa + shift[i]
+                            factor[n] = half * WEIGHT[j]
+                            offset[n] = (2.0 * kappa - low - high) / (high - low)
+                        panel[parts] = p
+                        whole[parts] = start == low and end == high
+                        parts += 1
                     start = end
-        out[i] = total
+                    if parts == _MOST_PARTS:
+                        _squared_amplitudes(
+                            beta, parts * ORDER, real[i], imag[i], fine, coarse, joint, squared, first, weight
+                        )
+                        _add_parts(
+                            parts, panel, whole, offset, factor, squared, power, transfer[i], basis, out[i]
+                        )
+                        parts = 0
+        _squared_amplitudes(
+            beta, parts * ORDER, real[i], imag[i], fine, coarse, joint, squared, first, weight
+        )
+        _add_parts(parts, panel, whole, offset, factor, squared, power, transfer[i], basis, out[i])
     return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mark_needed(edge, power, needed):
+    """Mark the panels in which a receiver has more than a negligible share of ∫ |H̃|² dκ."""
+    total = 0.0
+    for p in range(needed.shape[0]):
+        for j in range(ORDER):
+            total += (edge[p + 1] - edge[p]) * power[p * ORDER + j] / ORDER
+    for p in range(needed.shape[0]):
+        largest = 0.0
+        for j in range(ORDER):
+            largest = max(largest, power[p * ORDER + j])
+        if (edge[p + 1] - edge[p]) * largest >= _NEGLIGIBLE * total:
+            needed[p] = True
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+def _add_parts(parts, panel, whole, offset, factor, squared, power, transfer, basis, out):
+    """Add the integrals over some parts of panels to every receiver's sum."""
+    receivers = power.shape[0]
+    for part in range(parts):
+        at = part * ORDER
+        node = panel[part] * ORDER
+        if whole[part]:
+            for q in range(receivers):
+                total = 0.0
+                for j in range(ORDER):
+                    total += factor[at + j] * squared[at + j] * power[q, node + j]
+                out[q] += total
+            continue
+        for j in range(ORDER):
+            panel_weights(offset[at + j], basis)
+            for q in range(receivers):
+                real = 0.0
+                imag = 0.0
+                for k in range(ORDER):
+                    real += basis[k] * transfer[q, node + k].real
+                    imag += basis[k] * transfer[q, node + k].imag
+                out[q] += factor[at + j] * squared[at + j] * (real * real + imag * imag)
 
 
 def quasi_static_spectrum(

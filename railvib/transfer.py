@@ -122,13 +122,25 @@ class TransferBlock:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Nodes:
     """The panels and nodes of one block and class of receivers."""
 
     top_slowness: float
     largest: float
     edge: np.ndarray
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether the other nodes are the same."""
+        return isinstance(other, Nodes) and self._key == other._key
+
+    def __hash__(self) -> int:
+        """Return the hash of all that the nodes follow from."""
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[float, float, bytes]:
+        return self.top_slowness, self.largest, self.edge.tobytes()
 
     def panel_edges(self, frequency: np.ndarray) -> np.ndarray:
         """Return the panels' edges at frequencies (n,), rad/m, (n, edges)."""
