@@ -85,20 +85,21 @@ def stencils(block: int, level: int, f: np.ndarray) -> tuple[np.ndarray, np.ndar
 def interpolated(block: int, level: int, f: np.ndarray, table: np.ndarray) -> np.ndarray:
     """Interpolate the rows of a complex table (frequencies, m) to frequencies f (n,) in Hz: (n, m)."""
     first, weight = stencils(block, level, f)
-    return np.asarray(_combined(first, weight, np.ascontiguousarray(table)))
+    rows = np.ascontiguousarray(table, complex).view(float)
+    return np.asarray(_combined(first, weight, rows)).view(complex)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _combined(first, weight, table):
     """Return the weighted sums of neighbouring rows."""
-    out = np.empty((first.shape[0], table.shape[1]), np.complex128)
+    out = np.zeros((first.shape[0], table.shape[1]))
     for i in range(first.shape[0]):
-        n = first[i]
-        for j in range(table.shape[1]):
-            value = weight[i, 0] * table[n, j]
-            for m in range(1, STENCIL):
-                value += weight[i, m] * table[n + m, j]
-            out[i, j] = value
+        row = out[i]
+        for m in range(STENCIL):
+            w = weight[i, m]
+            other = table[first[i] + m]
+            for j in range(row.shape[0]):
+                row[j] += w * other[j]
     return out
 
 

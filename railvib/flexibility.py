@@ -16,10 +16,7 @@ import numpy.typing as npt
 
 from railvib.errors import InputError
 from railvib.ground import Ground
-from railvib.vector_math import cos_sin, exp, reciprocal, root
-
-LANES = 64
-"""Wavenumbers that go through the layers together, so that the innermost loops fill vector registers."""
+from railvib.vector_math import LANES, cos_sin, exp, reciprocal, root
 
 
 @numba.njit(inline="always", error_model="numpy")

@@ -11,17 +11,18 @@ because the phases of the forces are taken out, and are computed once on a grid 
 frequency.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numba
 import numpy as np
 
-from railvib import blocks, cost
+from railvib import cost, threads
 from railvib.forces import arrivals, force_matrices
-from railvib.panels import NODE, ORDER, WEIGHT, panel_weights
+from railvib.panels import BARYCENTRIC, NODE, ORDER, WEIGHT
 from railvib.receptance import Receptances
-from railvib.transfer import Nodes, Receiver, TransferFunction
+from railvib.transfer import Receiver, TransferFunction, same_nodes, together
 from railvib.unevenness import Unevenness
 from railvib.vehicle import Train
 
@@ -53,10 +54,18 @@ class Excitation:
     wavenumbers: tuple[float, float] = (0.0, np.inf)
     """Where the unevenness is cut off, lowest and highest β, rad/m; the amplitudes go on beyond, smoothly."""
 
-    @property
-    def both_sides(self) -> np.ndarray:
-        """q_l at −β, its conjugate, from the far end to zero, then at β: (axles, 2·β)."""
-        return np.concatenate([self.amplitude[::-1].conj(), self.amplitude]).T
+    @cached_property
+    def _both_sides(self) -> np.ndarray:
+        """q_l at −β, its conjugate, from the far end to zero, then at β: real parts over imaginary ones."""
+        both = np.concatenate([self.amplitude[::-1].conj(), self.amplitude]).T
+        return np.concatenate([both.real, both.imag])
+
+    def turned(self, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return real and imaginary part of A = Σ_l phase_l q_l from −β to β, for phases (lines, axles)."""
+        with threads.single():
+            real = np.concatenate([phase.real, -phase.imag], axis=1) @ self._both_sides
+            imag = np.concatenate([phase.imag, phase.real], axis=1) @ self._both_sides
+        return real, imag
 
 
 def excitation(
@@ -131,17 +140,16 @@ def passage_spectra(
         for start in range(0, frequency.size, _LINES_AT_ONCE):
             here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
             turn = np.exp(2j * np.pi / speed * frequency[here, None] * excited.axle_position)
-            # A(β) over −β … β in one row, so that a receiver finds both sides of zero there.
-            amplitude = turn @ excited.both_sides
-            for members, block, own in _same_nodes(receivers, frequency[here]):
+            real, imag = excited.turned(turn)
+            for members, block, own in same_nodes(receivers, frequency[here]):
                 f = frequency[here[own]]
-                value = np.stack([receivers[each].at(block, f)[1] for each in members], axis=1)
+                value = together([receivers[each] for each in members], block, f)
                 integrals = _wavenumber_integrals(
                     receivers[members[0]].blocks[block].nodes.panel_edges(f),
                     value,
                     2.0 * np.pi * f / speed,
-                    amplitude[own].real.copy(),
-                    amplitude[own].imag.copy(),
+                    real[own],
+                    imag[own],
                     excited.step[0],
                     excited.step[1],
                     excited.joint,
@@ -152,21 +160,6 @@ def passage_spectra(
                 spent.evaluations += 2 * value.size
                 spent.kernel_calls += 1
     return {receiver: each / (train_length * speed) for receiver, each in psd.items()}
-
-
-def _same_nodes(
-    receivers: Mapping[Receiver, TransferFunction], frequency: np.ndarray
-) -> Iterator[tuple[list[Receiver], int, np.ndarray]]:
-    """Yield receivers whose tables have the same nodes, the block of the tables, and its frequencies' indices."""
-    groups: dict[tuple[int, Nodes], list[Receiver]] = {}
-    which: dict[int, np.ndarray] = {}
-    for receiver, transfer in receivers.items():
-        assigned = blocks.assigned(frequency, transfer.blocks)
-        for block in np.unique(assigned):
-            groups.setdefault((int(block), transfer.blocks[int(block)].nodes), []).append(receiver)
-            which[int(block)] = np.flatnonzero(assigned == block)
-    for (block, _nodes), members in groups.items():
-        yield members, block, which[block]
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
@@ -239,9 +232,9 @@ def _part_end(start, high, side, shift, shortest, longest, lowest, highest):
 def _wavenumber_integrals(edge, transfer, shift, real, imag, fine, coarse, joint, lowest, highest):
     """Return ∫ |H̃(κ)|² |A(κ + shift)|² dκ over lowest ≤ |κ + shift| ≤ highest, (lines, receivers).
 
-    `transfer` is (lines, receivers, nodes). The excitation is found once for all receivers.
+    `transfer` is (receivers, lines, nodes). The excitation is found once for all receivers.
     """
-    lines, receivers, nodes = transfer.shape
+    receivers, lines, nodes = transfer.shape
     panels = nodes // ORDER
     out = np.zeros((lines, receivers))
     shortest = _SHORTEST_PART * fine
@@ -255,14 +248,15 @@ def _wavenumber_integrals(edge, transfer, shift, real, imag, fine, coarse, joint
     panel = np.empty(_MOST_PARTS, np.int64)
     whole = np.empty(_MOST_PARTS, np.bool_)
     offset = np.empty(most)
-    basis = np.empty(ORDER)
+    values = np.empty((3, ORDER))
     power = np.empty((receivers, nodes))
     needed = np.empty(panels, np.bool_)
     for i in range(lines):
+        own = transfer[:, i]
         needed[:] = False
         for q in range(receivers):
             for j in range(nodes):
-                h = transfer[i, q, j]
+                h = own[q, j]
                 power[q, j] = h.real * h.real + h.imag * h.imag
             _mark_needed(edge[i], power[q], needed)
         parts = 0
@@ -292,14 +286,12 @@ def _wavenumber_integrals(edge, transfer, shift, real, imag, fine, coarse, joint
                         _squared_amplitudes(
                             beta, parts * ORDER, real[i], imag[i], fine, coarse, joint, squared, first, weight
                         )
-                        _add_parts(
-                            parts, panel, whole, offset, factor, squared, power, transfer[i], basis, out[i]
-                        )
+                        _add_parts(parts, panel, whole, offset, factor, squared, power, own, values, out[i])
                         parts = 0
         _squared_amplitudes(
             beta, parts * ORDER, real[i], imag[i], fine, coarse, joint, squared, first, weight
         )
-        _add_parts(parts, panel, whole, offset, factor, squared, power, transfer[i], basis, out[i])
+        _add_parts(parts, panel, whole, offset, factor, squared, power, own, values, out[i])
     return out
 
 
@@ -319,8 +311,8 @@ def _mark_needed(edge, power, needed):
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
-def _add_parts(parts, panel, whole, offset, factor, squared, power, transfer, basis, out):
-    """Add the integrals over some parts of panels to every receiver's sum."""
+def _add_parts(parts, panel, whole, offset, factor, squared, power, transfer, values, out):
+    """Add the integrals over some parts of panels to every receiver's sum; `values` is room to work in."""
     receivers = power.shape[0]
     for part in range(parts):
         at = part * ORDER
@@ -332,15 +324,29 @@ def _add_parts(parts, panel, whole, offset, factor, squared, power, transfer, ba
                     total += factor[at + j] * squared[at + j] * power[q, node + j]
                 out[q] += total
             continue
-        for j in range(ORDER):
-            panel_weights(offset[at + j], basis)
-            for q in range(receivers):
-                real = 0.0
-                imag = 0.0
-                for k in range(ORDER):
-                    real += basis[k] * transfer[q, node + k].real
-                    imag += basis[k] * transfer[q, node + k].imag
-                out[q] += factor[at + j] * squared[at + j] * (real * real + imag * imag)
+        # Barycentric interpolation from the panel's nodes, all points of the part at once.
+        below = values[0]
+        for q in range(receivers):
+            real = values[1]
+            imag = values[2]
+            for j in range(ORDER):
+                below[j] = 0.0
+                real[j] = 0.0
+                imag[j] = 0.0
+            for k in range(ORDER):
+                h = transfer[q, node + k]
+                for j in range(ORDER):
+                    away = offset[at + j] - NODE[k]
+                    basis = BARYCENTRIC[k] / (away if away != 0.0 else 1e-290)
+                    below[j] += basis
+                    real[j] += basis * h.real
+                    imag[j] += basis * h.imag
+            total = 0.0
+            for j in range(ORDER):
+                real_part = real[j] / below[j]
+                imag_part = imag[j] / below[j]
+                total += factor[at + j] * squared[at + j] * (real_part * real_part + imag_part * imag_part)
+            out[q] += total
 
 
 def quasi_static_spectrum(

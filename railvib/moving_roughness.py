@@ -8,15 +8,18 @@ at the distances d between axles (Parseval): independent of speed, and computed 
 forms of the approach.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numba
 import numpy as np
 import numpy.typing as npt
 
-from railvib import blocks, cost
+from railvib import cost
 from railvib.panels import ORDER, fourier_integrals
-from railvib.transfer import TransferFunction
+from railvib.transfer import Receiver, TransferFunction, same_nodes, together
+
+_LINES_AT_ONCE = 64
 
 
 @dataclass(frozen=True)
@@ -39,14 +42,14 @@ class LineIntegrals:
 
 
 def line_integrals(
-    receiver: TransferFunction, distances: npt.ArrayLike, frequency: npt.ArrayLike
-) -> LineIntegrals:
-    """Return M(d, f) at some distances and frequencies.
+    receivers: Mapping[Receiver, TransferFunction], distances: npt.ArrayLike, frequency: npt.ArrayLike
+) -> dict[Receiver, LineIntegrals]:
+    """Return M(d, f) of some receivers at some distances and frequencies.
 
     Parameters
     ----------
-    receiver
-        The receiver's tabulated transfer function.
+    receivers
+        The receivers' tabulated transfer functions.
     distances
         Distances between axles, m; the integral is even in them, and each counts once.
     frequency
@@ -54,36 +57,49 @@ def line_integrals(
     """
     f = np.asarray(frequency, float)
     d = np.unique(np.abs(np.asarray(distances, float)))
-    integral = np.empty((f.size, d.size))
-    which = blocks.assigned(f, receiver.blocks)
+    integral = {receiver: np.empty((f.size, d.size)) for receiver in receivers}
     with cost.stage("line integrals") as spent:
-        for block in np.unique(which):
-            table = receiver.blocks[int(block)]
-            here = which == block
-            _beta, transfer = receiver.at(int(block), f[here])
-            squared = (np.abs(transfer) ** 2).reshape(transfer.shape[0], -1, ORDER)
-            integral[here] = _cosine_integrals(table.nodes.panel_edges(f[here]), squared, d)
-            spent.evaluations += transfer.size
-            spent.kernel_calls += 1
-    return LineIntegrals(f, d, integral / np.pi)
+        for start in range(0, f.size, _LINES_AT_ONCE):
+            here = np.arange(start, min(start + _LINES_AT_ONCE, f.size))
+            for members, block, own in same_nodes(receivers, f[here]):
+                rows = here[own]
+                transfer = together([receivers[each] for each in members], block, f[rows])
+                edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
+                found = _cosine_integrals(edge, transfer, d)
+                for receiver, each in zip(members, found, strict=True):
+                    integral[receiver][rows] = each
+                spent.evaluations += transfer.size
+                spent.kernel_calls += 1
+    return {receiver: LineIntegrals(f, d, each / np.pi) for receiver, each in integral.items()}
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _cosine_integrals(edge, squared, distance):
-    """Return ∫ |H̃|² cos(βd) dβ, (lines, distances); panels with nothing in them are passed over."""
-    out = np.zeros((edge.shape[0], 1, distance.shape[0]))
-    sine = np.zeros((1, distance.shape[0]))
-    for i in range(edge.shape[0]):
+def _cosine_integrals(edge, transfer, distance):
+    """Return ∫ |H̃|² cos(βd) dβ, (receivers, lines, distances), over all panels with something in them."""
+    receivers, lines, nodes = transfer.shape
+    panels = nodes // ORDER
+    out = np.zeros((receivers, lines, distance.shape[0]))
+    cosine = np.empty((receivers, distance.shape[0]))
+    sine = np.zeros((receivers, distance.shape[0]))
+    squared = np.empty((receivers, panels, ORDER))
+    size = np.empty(panels)
+    for i in range(lines):
         half = 0.5 * (edge[i, 1:] - edge[i, :-1])
         centre = 0.5 * (edge[i, 1:] + edge[i, :-1])
-        size = np.empty(half.shape[0])
-        for p in range(half.shape[0]):
-            size[p] = half[p] * squared[i, p].max()
-        kept = np.flatnonzero(size > 1e-14 * size.sum())
-        fourier_integrals(
-            centre[kept], half[kept], squared[i][kept].reshape(1, kept.size, ORDER), distance, out[i], sine
-        )
-    return out[:, 0]
+        kept = np.zeros(panels, np.bool_)
+        for q in range(receivers):
+            for p in range(panels):
+                size[p] = 0.0
+                for j in range(ORDER):
+                    h = transfer[q, i, p * ORDER + j]
+                    squared[q, p, j] = h.real * h.real + h.imag * h.imag
+                    size[p] = max(size[p], half[p] * squared[q, p, j])
+            kept |= size > 1e-14 * size.sum()
+        some = np.flatnonzero(kept)
+        cosine[:] = 0.0
+        fourier_integrals(centre[some], half[some], squared[:, some], distance, cosine, sine)
+        out[:, i] = cosine
+    return out
 
 
 def axle_pairs(integrals: LineIntegrals, axle_position: np.ndarray) -> np.ndarray:

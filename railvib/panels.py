@@ -52,109 +52,113 @@ def fourier_integrals(centre, half, value, distance, cosine, sine):
         d, not negative and ascending, (distances,).
     cosine, sine
         Where the integrals are added, (functions, distances).
+
+    Notes
+    -----
+    The nodes lie symmetrically about a panel's centre, so even and odd parts of a function need cosines and
+    sines at half of them, and these depend on the panel's width alone. The innermost loops run over
+    distances, so that they fill vector registers.
     """
     distances = distance.shape[0]
+    pairs = ORDER // 2
     c = np.empty(distances)
     s = np.empty(distances)
-    coefficient = np.empty((value.shape[0], ORDER))
-    bessel = np.empty(ORDER + 40)
+    even = np.empty(distances)
+    odd = np.empty(distances)
+    basis = np.empty((ORDER, distances))
+    near = 0
+    width = -1.0
     for p in range(centre.shape[0]):
         h = half[p]
-        near = np.searchsorted(distance, _MOST_PHASE / h)
-        # The innermost loops run over distances, so that they fill vector registers.
-        for j in range(ORDER):
-            beta = centre[p] + h * NODE[j]
-            for k in range(near):
-                c[k], s[k] = cos_sin(beta * distance[k])
-            for q in range(value.shape[0]):
-                weighted = h * WEIGHT[j] * value[q, p, j]
+        if abs(h - width) > 1e-13 * h:
+            width = h
+            near = np.searchsorted(distance, _MOST_PHASE / h)
+            for j in range(pairs):
+                _cosines_and_sines(h * NODE[pairs + j], distance[:near], basis[2 * j], basis[2 * j + 1])
+            _spherical_bessel(h, distance[near:], basis[:, near:])
+        _cosines_and_sines(centre[p], distance, c, s)
+        for q in range(value.shape[0]):
+            for k in range(distances):
+                even[k] = 0.0
+                odd[k] = 0.0
+            for j in range(pairs):
+                up = value[q, p, pairs + j]
+                down = value[q, p, pairs - 1 - j]
+                a = h * WEIGHT[pairs + j] * (up + down)
+                b = h * WEIGHT[pairs + j] * (up - down)
                 for k in range(near):
-                    cosine[q, k] += weighted * c[k]
-                    sine[q, k] += weighted * s[k]
-        if near < distances:
-            for q in range(value.shape[0]):
-                for n in range(ORDER):
-                    total = 0.0
-                    for j in range(ORDER):
-                        total += TO_LEGENDRE[n, j] * value[q, p, j]
-                    coefficient[q, n] = total
-        for k in range(near, distances):
-            spherical_bessel(h * distance[k], ORDER, bessel)
-            cc, ss = cos_sin(centre[p] * distance[k])
-            for q in range(value.shape[0]):
-                even = 0.0
-                odd = 0.0
+                    even[k] += a * basis[2 * j, k]
+                    odd[k] += b * basis[2 * j + 1, k]
+            if near < distances:
                 sign = 2.0 * h
                 for n in range(0, ORDER, 2):
-                    even += sign * bessel[n] * coefficient[q, n]
-                    odd += sign * bessel[n + 1] * coefficient[q, n + 1]
+                    a = 0.0
+                    b = 0.0
+                    for j in range(ORDER):
+                        a += sign * TO_LEGENDRE[n, j] * value[q, p, j]
+                        b += sign * TO_LEGENDRE[n + 1, j] * value[q, p, j]
+                    for k in range(near, distances):
+                        even[k] += a * basis[n, k]
+                        odd[k] += b * basis[n + 1, k]
                     sign = -sign
-                cosine[q, k] += cc * even - ss * odd
-                sine[q, k] += ss * even + cc * odd
+            for k in range(distances):
+                cosine[q, k] += c[k] * even[k] - s[k] * odd[k]
+            for k in range(distances):
+                sine[q, k] += s[k] * even[k] + c[k] * odd[k]
 
 
-@numba.njit(cache=True, error_model="numpy")
-def spherical_bessel(x, order, out):
-    """Write j_0(x) … j_{order−1}(x), x ≥ 0, to `out`, at least 40 longer: upward where stable, else down."""
-    if x < 1e-8:
-        out[0] = 1.0
-        for n in range(1, order):
-            out[n] = out[n - 1] * x / (2.0 * n + 1.0)
-        return
-    j0 = np.sin(x) / x
-    j1 = (j0 - np.cos(x)) / x
-    if x > order:
-        out[0] = j0
-        out[1] = j1
-        for n in range(1, order - 1):
-            out[n + 1] = (2.0 * n + 1.0) / x * out[n] - out[n - 1]
-        return
-    top = order + 30
-    out[top + 1] = 0.0
-    out[top] = 1e-280
-    for n in range(top, 0, -1):
-        out[n - 1] = (2.0 * n + 1.0) / x * out[n] - out[n + 1]
-        if abs(out[n - 1]) > 1e250:
-            for m in range(n - 1, top + 2):
-                out[m] *= 1e-250
-    scale = j0 / out[0] if abs(j0) > abs(j1) else j1 / out[1]
-    for n in range(order):
-        out[n] *= scale
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _cosines_and_sines(beta, distance, cosine, sine):
+    """Write cos(βd) and sin(βd)."""
+    for k in range(distance.shape[0]):
+        cosine[k], sine[k] = cos_sin(beta * distance[k])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _spherical_bessel(h, distance, out):
+    """Write j_0(hd) … j_{order−1}(hd), hd ≥ 8, where the upward recurrence is stable for these orders."""
+    for k in range(distance.shape[0]):
+        x = h * distance[k]
+        c, s = cos_sin(x)
+        below = s / x
+        j = (below - c) / x
+        out[0, k] = below
+        out[1, k] = j
+        for n in range(1, ORDER - 1):
+            above = (2.0 * n + 1.0) / x * j - below
+            out[n + 1, k] = above
+            below = j
+            j = above
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def panel_weights(x, weight):
     """Write the weights of a panel's nodes for interpolation at x in [−1, 1] (barycentric form)."""
-    total = 0.0
-    for j in range(ORDER):
-        d = x - NODE[j]
-        if d == 0.0:
-            weight[:] = 0.0
-            weight[j] = 1.0
-            return
-        weight[j] = BARYCENTRIC[j] / d
-        total += weight[j]
-    for j in range(ORDER):
-        weight[j] /= total
+    _barycentric_weights(x, NODE, BARYCENTRIC, weight)
 
 
 _BINOMIAL = np.array([(-1.0) ** m * comb(STENCIL - 1, m) for m in range(STENCIL)])
+_EQUIDISTANT = np.arange(STENCIL, dtype=float)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def stencil_weights(t, weight):
     """Write the weights of equidistant points 0, 1, … for interpolation at t (barycentric form)."""
-    nearest = round(t)
-    if abs(t - nearest) < 1e-12 and 0 <= nearest < STENCIL:
-        weight[:] = 0.0
-        weight[int(nearest)] = 1.0
-        return
+    _barycentric_weights(t, _EQUIDISTANT, _BINOMIAL, weight)
+
+
+@numba.njit(inline="always", error_model="numpy")
+def _barycentric_weights(x, node, factor, weight):
+    """Write the weights for interpolation at x; on a node, that of all others is nothing."""
     total = 0.0
-    for m in range(STENCIL):
-        weight[m] = _BINOMIAL[m] / (t - m)
+    for m in range(weight.shape[0]):
+        away = x - node[m]
+        weight[m] = factor[m] / (away if abs(away) > 1e-200 else 1e-200)
+    for m in range(weight.shape[0]):
         total += weight[m]
-    for m in range(STENCIL):
-        weight[m] /= total
+    total = 1.0 / total
+    for m in range(weight.shape[0]):
+        weight[m] *= total
 
 
 @numba.njit(inline="always", error_model="numpy")

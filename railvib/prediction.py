@@ -183,7 +183,7 @@ def predict(
                 for block in wanted_blocks
             )
         if approach != "full" and integrals is None:
-            integrals = {each: line_integrals(functions[each], distances, frequency) for each in receivers}
+            integrals = line_integrals({each: functions[each] for each in receivers}, distances, frequency)
             if averaging == "train":
                 over_train = {
                     each: train_integrals(functions[each], train.axle_positions, frequency)

@@ -14,16 +14,14 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 from scipy.linalg import lapack
-from threadpoolctl import ThreadpoolController
 
+from railvib import threads
 from railvib.flexibility import surface_flexibilities
 from railvib.ground import Ground
 from railvib.vector_math import reciprocal
 
 MOST_TERMS = 220
 _SAMPLES_PER_GAP = 4
-_LINEAR_ALGEBRA = ThreadpoolController()
-"""The matrices are so small that handing them to several threads costs ten times what it saves."""
 _ROUNDS = 4
 _MOST_SWEEPS = 20
 
@@ -116,7 +114,7 @@ def fit_flexibility(
     else:
         support = np.append(start.support[start.support < 0.999 * x_largest], x_largest)
         guess = start.pole * k0**2
-    with _LINEAR_ALGEBRA.limit(limits=1, user_api="blas"):
+    with threads.single():
         return _fitted(ground, flexibility, support, guess, k0, z0, largest, tolerance)
 
 

@@ -239,7 +239,12 @@ def _standing_panels(rail: TransferFunction, frequency: np.ndarray) -> Panels:
 def _moving_panels(rail: TransferFunction, frequency: np.ndarray, speed: float, tolerance: float) -> Panels:
     """Return panels over all β up to the largest, halved until the response is resolved."""
     largest = rail.reach
-    edges = [_edges(rail, 2.0 * np.pi * each, speed, largest) for each in frequency]
+    edges = []
+    which = blocks.assigned(frequency, rail.blocks)
+    for f, block in zip(frequency, which, strict=True):
+        table = rail.blocks[int(block)]
+        slowness = table.edge[(table.edge > 0.0) & (table.edge <= 1.0)] * table.top_slowness
+        edges.append(_edges(slowness, 2.0 * np.pi * f, speed, largest))
     owner = np.repeat(np.arange(frequency.size), [each.size - 1 for each in edges])
     low = np.concatenate([each[:-1] for each in edges])
     high = np.concatenate([each[1:] for each in edges])
@@ -261,33 +266,30 @@ def _moving_panels(rail: TransferFunction, frequency: np.ndarray, speed: float, 
     return tuple(np.concatenate(each) for each in zip(*parts, strict=True))  # type: ignore[return-value]
 
 
-def _edges(rail: TransferFunction, omega: float, speed: float, largest: float) -> np.ndarray:
+@numba.njit(cache=True, error_model="numpy")
+def _edges(slowness, omega, speed, largest):
     """Return panel edges over all β: the tables' slownesses as a moving load sees them, and powers of two."""
-    table = rail.blocks[int(blocks.assigned(np.array([omega / (2.0 * np.pi)]), rail.blocks)[0])]
-    slowness = table.edge[(table.edge > 0.0) & (table.edge <= 1.0)] * table.top_slowness
-    slower = slowness[slowness * speed < 1.0 - 1e-9]
-    faster = slowness[slowness * speed > 1.0 + 1e-9]
-    reach = max(omega * table.top_slowness, 1e-2)
-    far = (
-        np.geomspace(reach, largest, max(int(np.log2(largest / reach)), 1) + 1)
-        if reach < largest
-        else np.array([largest])
-    )
+    reach = max(omega * slowness.max(), 1e-2)
+    octaves = max(int(np.log2(largest / reach)), 1) if reach < largest else 0
     turn = omega / speed
-    edge = np.concatenate(
-        [
-            omega * slowness / (1.0 + slowness * speed),
-            -omega * slower / (1.0 - slower * speed),
-            omega * faster / (faster * speed - 1.0),
-            [-largest, 0.0, largest, turn],
-            far,
-            -far,
-            turn + far,
-            turn - far,
-        ]
-    )
-    edge = np.unique(edge[np.abs(edge) <= largest])
-    return np.asarray(edge[np.concatenate([[True], np.diff(edge) > 1e-9 * largest])])
+    edge = np.empty(2 * slowness.size + 4 * (octaves + 1) + 4)
+    edge[:4] = (-largest, 0.0, largest, turn)
+    n = 4
+    for each in slowness:
+        edge[n] = omega * each / (1.0 + each * speed)
+        n += 1
+        ahead = 1.0 - each * speed
+        if abs(ahead) > 1e-9:
+            edge[n] = -omega * each / ahead
+            n += 1
+    for octave in range(octaves + 1):
+        far = reach * (largest / reach) ** (octave / octaves) if octaves > 0 else largest
+        edge[n : n + 4] = (far, -far, turn + far, turn - far)
+        n += 4
+    edge = np.sort(edge[:n][np.abs(edge[:n]) <= largest])
+    kept = np.ones(edge.size, np.bool_)
+    kept[1:] = np.diff(edge) > 1e-9 * largest
+    return edge[kept]
 
 
 def _tail_panels(track: Track, frequency: np.ndarray, speed: float, largest: np.ndarray) -> Panels:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from railvib.parameters import LossFactor, NonNegative, Parameters, Positive
-from railvib.vector_math import reciprocal
+from railvib.vector_math import LANES, reciprocal
 
 
 class TrackLayer(Parameters):
@@ -149,29 +149,73 @@ def _responses(beta, omega, compliance, bed, support, pad, rail):
     n = beta.shape[0]
     displacement = np.empty(n, np.complex128)
     pressed = np.empty(n, np.complex128)
-    layers = bed.shape[0]
+    q = np.empty(6 * LANES)
+    for first in range(0, n, LANES):
+        m = min(LANES, n - first)
+        for i in range(m):
+            q[i] = compliance[first + i].real
+            q[LANES + i] = compliance[first + i].imag
+            q[4 * LANES + i] = beta[first + i]
+            q[5 * LANES + i] = omega[first + i]
+        _load(m, q, bed, support, pad, rail)
+        for i in range(m):
+            displacement[first + i] = complex(q[i], q[LANES + i])
+            pressed[first + i] = complex(q[2 * LANES + i], q[3 * LANES + i])
+    return displacement, pressed
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _load(n, q, bed, support, pad, rail):
+    """Put the track on the ground: q holds C, room for two, β and ω̂; then displacement and force first."""
+    n = min(n, LANES)
     for i in range(n):
-        w2 = omega[i] * omega[i]
-        sign = 1.0 if omega[i] > 0.0 else (-1.0 if omega[i] < 0.0 else 0.0)
-        b4 = beta[i] * beta[i] * beta[i] * beta[i]
-        # From the ground up: c is the flexibility seen from above, force that on the ground per force above.
-        c = compliance[i]
-        force = 1.0 + 0j
-        for layer in range(layers):
-            k = complex(bed[layer, 0], sign * bed[layer, 0] * bed[layer, 2])
-            diagonal = k - w2 * bed[layer, 1] / 3.0
-            coupling = k + w2 * bed[layer, 1] / 6.0
+        q[2 * LANES + i] = 1.0
+        q[3 * LANES + i] = 0.0
+    # From the ground up: c is the flexibility seen from above, force that on the ground per force above.
+    for layer in range(bed.shape[0]):
+        k0, mass, loss = bed[layer]
+        for i in range(n):
+            c = complex(q[i], q[LANES + i])
+            force = complex(q[2 * LANES + i], q[3 * LANES + i])
+            omega = q[5 * LANES + i]
+            k = complex(k0, _sign(omega) * k0 * loss)
+            inertia = omega * omega * mass
+            diagonal = k - inertia / 3.0
+            coupling = k + inertia / 6.0
             # Force at the bottom per force at the top, and flexibility at the top.
             bottom = 1.0 + diagonal * c
             top = reciprocal(diagonal * bottom - coupling * coupling * c)
             force *= coupling * top
             c = bottom * top
-        loaded = reciprocal(
-            1.0 + c * complex(support[0] * b4 - w2 * support[1], sign * support[0] * support[2] * b4)
-        )
+            q[i] = c.real
+            q[LANES + i] = c.imag
+            q[2 * LANES + i] = force.real
+            q[3 * LANES + i] = force.imag
+    for i in range(n):
+        c = complex(q[i], q[LANES + i])
+        force = complex(q[2 * LANES + i], q[3 * LANES + i])
+        b2 = q[4 * LANES + i] * q[4 * LANES + i]
+        w2 = q[5 * LANES + i] * q[5 * LANES + i]
+        sign = _sign(q[5 * LANES + i])
+        loaded = reciprocal(1.0 + c * _beam(support, b2 * b2, w2, sign))
         force *= loaded
         c = c * loaded + reciprocal(complex(pad[0], sign * pad[0] * pad[2]))
-        loaded = reciprocal(1.0 + c * complex(rail[0] * b4 - w2 * rail[1], sign * rail[0] * rail[2] * b4))
-        displacement[i] = c * loaded
-        pressed[i] = force * loaded
-    return displacement, pressed
+        loaded = reciprocal(1.0 + c * _beam(rail, b2 * b2, w2, sign))
+        c *= loaded
+        force *= loaded
+        q[i] = c.real
+        q[LANES + i] = c.imag
+        q[2 * LANES + i] = force.real
+        q[3 * LANES + i] = force.imag
+
+
+@numba.njit(inline="always", error_model="numpy")
+def _sign(x):
+    return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else 0.0)
+
+
+@numba.njit(inline="always", error_model="numpy")
+def _beam(beam, b4, w2, sign):
+    """Return the dynamic stiffness EI (1 + iη sgn ω) β⁴ − ω² m of a beam."""
+    bending = beam[0] * b4
+    return complex(bending - w2 * beam[1], sign * bending * beam[2])

@@ -12,7 +12,7 @@ Between the frequencies of a table the ground's compliance is interpolated, and 
 exactly: rails on pads resonate more sharply than damped ground, and would ask for many more frequencies.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numba
@@ -154,26 +154,29 @@ class Nodes:
 
 
 def decay(frequency: np.ndarray, wavenumber: np.ndarray, distance: float, slowness: float) -> np.ndarray:
-    """Return e^{−κ·distance} of an undamped wave, κ² = β² − (ω·slowness)², cut where nothing is left."""
-    shape = np.broadcast_shapes(frequency.shape, wavenumber.shape)
+    """Return e^{−κ·distance} of an undamped wave, κ² = β² − (ω·slowness)², cut where nothing is left.
+
+    Frequencies are (n,) in Hz, wavenumbers (n, m) in rad/m.
+    """
     if distance <= 0.0 or slowness <= 0.0:
-        return np.ones(shape, complex)
-    k = np.broadcast_to(2.0 * np.pi * slowness * frequency, shape)
-    beta = np.broadcast_to(wavenumber, shape)
-    return np.asarray(_decay(k.ravel(), beta.ravel(), distance)).reshape(shape)
+        return np.ones(wavenumber.shape, complex)
+    return np.asarray(_decay(2.0 * np.pi * slowness * frequency, wavenumber, distance)).view(complex)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _decay(k, beta, distance):
-    out = np.empty(k.shape[0], np.complex128)
-    for i in range(k.shape[0]):
-        squared = beta[i] * beta[i] - k[i] * k[i]
-        size = np.sqrt(abs(squared)) * distance
-        if squared >= 0.0:
-            out[i] = exp(-min(size, 60.0))
-        else:
+    """Return real and imaginary parts in turn, (n, 2·m)."""
+    out = np.empty((beta.shape[0], 2 * beta.shape[1]))
+    for i in range(beta.shape[0]):
+        row = out[i]
+        for j in range(beta.shape[1]):
+            squared = beta[i, j] * beta[i, j] - k[i] * k[i]
+            size = np.sqrt(abs(squared)) * distance
+            evanescent = squared >= 0.0
             c, s = cos_sin(size)
-            out[i] = c - 1j * s
+            e = exp(-min(size, 60.0))
+            row[2 * j] = e if evanescent else c
+            row[2 * j + 1] = 0.0 if evanescent else -s
     return out
 
 
@@ -214,11 +217,7 @@ class TransferFunction:
         """
         table = self.blocks[block]
         beta = table.nodes.wavenumber(frequency)
-
-        def between(rows: np.ndarray) -> np.ndarray:
-            return blocks.interpolated(block, table.level, frequency, rows)
-
-        return beta, self._loaded(table, frequency[:, None], beta, between)
+        return beta, together([self], block, frequency)[0]
 
     def response(self, wavenumber: np.ndarray, omega: np.ndarray) -> np.ndarray:
         """Interpolate to any wavenumbers and frequencies; for the rail and receivers on the track.
@@ -274,100 +273,155 @@ class TransferFunction:
             table = self.blocks[int(block)]
             f = frequency[here]
             beta = np.minimum(wavenumber[here], table.largest)
-            places = _places(
+            place = (
                 blocks.position(table.block, table.level, f),
                 f,
                 beta,
-                table.frequency.size,
                 table.edge,
                 table.top_slowness,
                 table.largest,
             )
 
-            def between(rows: np.ndarray, places: _Places = places) -> np.ndarray:
-                return np.asarray(_weighted(*places, np.ascontiguousarray(rows)))
+            def between(rows: np.ndarray, level: int, place: _Place = place) -> np.ndarray:
+                return np.asarray(_interpolated(*place, np.ascontiguousarray(rows).view(float)))[:, None]
 
-            found = self._loaded(table, f, beta, between)
+            found = _loaded([self], table.block, f, beta[:, None], between)[0][:, 0]
             value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)
         return value
 
-    def _loaded(
-        self,
-        table: TransferBlock,
-        frequency: np.ndarray,
-        wavenumber: np.ndarray,
-        between: Callable[[np.ndarray], np.ndarray],
-    ) -> np.ndarray:
-        """Return the transfer function at places between which `between` interpolates rows of a table."""
-        value: np.ndarray
-        if self.track is None or table.compliance is None:
-            value = between(self._without_phase(table)) * _phase(table, frequency, wavenumber)
-            return value
-        under = between(table.compliance)
-        value, force = track_response(self.track, wavenumber, 2.0 * np.pi * frequency, under)
-        if table.receiver == "rail":
-            return value
-        if table.offset > 0.0:
-            under = between(self._without_phase(table)) * _phase(table, frequency, wavenumber)
-        value = force * under
-        return value
-
-    def _without_phase(self, table: TransferBlock) -> np.ndarray:
-        """Return what is interpolated: the receiver's compliance without the reference wave's decay."""
-        if table.block not in self._reduced:
-            value = table.transfer / _phase(table, table.frequency[:, None], table.wavenumber)
+    def reduced(self, block: int) -> np.ndarray:
+        """Return what is interpolated, the receiver's compliance without the reference wave's decay."""
+        if block not in self._reduced:
+            table = self.blocks[block]
+            value = table.transfer / _phase(table, table.frequency, table.wavenumber)
             if self.track is not None and table.compliance is not None:
                 omega = 2.0 * np.pi * table.frequency[:, None]
                 value /= track_response(self.track, table.wavenumber, omega, table.compliance)[1]
-            self._reduced[table.block] = value
-        return self._reduced[table.block]
+            self._reduced[block] = value
+        return self._reduced[block]
+
+
+def same_nodes(
+    receivers: Mapping[Receiver, TransferFunction], frequency: np.ndarray
+) -> Iterator[tuple[list[Receiver], int, np.ndarray]]:
+    """Yield receivers whose tables have the same nodes, their block, and which frequencies lie in it."""
+    groups: dict[tuple[int, Nodes, bytes], list[Receiver]] = {}
+    for receiver, transfer in receivers.items():
+        which = blocks.assigned(frequency, transfer.blocks)
+        for block in np.unique(which):
+            # Tables may end at different blocks, whose halos then serve the frequencies beyond.
+            own = np.flatnonzero(which == block)
+            key = int(block), transfer.blocks[int(block)].nodes, own.tobytes()
+            groups.setdefault(key, []).append(receiver)
+    for (block, _nodes, rows), members in groups.items():
+        yield members, block, np.frombuffer(rows, dtype=np.intp)
+
+
+def together(functions: Sequence[TransferFunction], block: int, frequency: np.ndarray) -> np.ndarray:
+    """Interpolate receivers whose tables have the same nodes to other frequencies of a block.
+
+    Parameters
+    ----------
+    functions
+        The receivers' transfer functions.
+    block
+        Index of the block.
+    frequency
+        Hz, (n,), inside the block.
+
+    Returns
+    -------
+    ndarray of complex, shape (receivers, n, node)
+        m²/N. What the receivers share is computed once.
+    """
+
+    def between(rows: np.ndarray, level: int) -> np.ndarray:
+        return blocks.interpolated(block, level, frequency, rows)
+
+    beta = functions[0].blocks[block].nodes.wavenumber(frequency)
+    return _loaded(functions, block, frequency, beta, between)
+
+
+def _loaded(
+    functions: Sequence[TransferFunction],
+    block: int,
+    frequency: np.ndarray,
+    wavenumber: np.ndarray,
+    between: Callable[[np.ndarray, int], np.ndarray],
+) -> np.ndarray:
+    """Return transfer functions (receivers, n, m) at places between which `between` interpolates rows."""
+    values = np.empty((len(functions), *wavenumber.shape), complex)
+    shared: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+    for value, function in zip(values, functions, strict=True):
+        table = function.blocks[block]
+        away = table.distance > 0.0
+        if function.track is None or table.compliance is None:
+            np.multiply(
+                between(function.reduced(block), table.level),
+                _phase(table, frequency, wavenumber),
+                out=value,
+            )
+            continue
+        if table.level not in shared:  # receivers of one level have the same compliance under the track
+            under = between(table.compliance, table.level)
+            omega = 2.0 * np.pi * frequency[:, None]
+            shared[table.level] = under, *track_response(function.track, wavenumber, omega, under)
+        under, rail, force = shared[table.level]
+        if table.receiver == "rail":
+            value[:] = rail
+        elif not away:
+            np.multiply(force, under, out=value)
+        else:
+            np.multiply(force, between(function.reduced(block), table.level), out=value)
+            value *= _phase(table, frequency, wavenumber)
+    return values
 
 
 def _phase(table: TransferBlock, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
     return decay(frequency, wavenumber, table.distance, table.reference_slowness)
 
 
-_Places = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-"""First row and its stencil's weights, first node of a panel and its nodes' weights."""
+_Place = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float, float]
+"""Where scattered points lie: their row numbers, f and β; the panels' edges, top slowness and largest β."""
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _places(at, frequency, beta, rows, edge, top_slowness, largest):
-    """Return where scattered points lie in a table: Lagrange weights in ln f, polynomial ones in a panel."""
-    n = beta.shape[0]
-    row = np.empty(n, np.int64)
-    stencil = np.empty((n, STENCIL))
-    node = np.empty(n, np.int64)
-    basis = np.empty((n, ORDER))
-    for i in range(n):
-        row[i] = min(max(int(np.floor(at[i])) - STENCIL // 2 + 1, 0), rows - STENCIL)
-        stencil_weights(at[i] - row[i], stencil[i])
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _interpolated(at, frequency, beta, edge, top_slowness, largest, table):
+    """Interpolate at scattered points: Lagrange in ln f, polynomial in a panel.
+
+    The table is (frequency, real and imaginary parts in turn at the nodes).
+    """
+    out = np.empty(at.shape[0], np.complex128)
+    stencil = np.empty(STENCIL)
+    basis = np.empty(ORDER)
+    panel = np.empty(2 * ORDER)
+    for i in range(at.shape[0]):
+        row = min(max(int(np.floor(at[i])) - STENCIL // 2 + 1, 0), table.shape[0] - STENCIL)
+        stencil_weights(at[i] - row, stencil)
         dense = 2.0 * np.pi * frequency[i] * top_slowness
         u = beta[i] / dense
-        if u > 1.0:
-            u = min(1.0 + np.log(u) / np.log(largest / dense), 2.0)
-        panel = min(max(np.searchsorted(edge, u, side="right") - 1, 0), edge.shape[0] - 2)
-        low = dense * edge[panel] if edge[panel] <= 1.0 else dense * (largest / dense) ** (edge[panel] - 1.0)
-        high = (
-            dense * edge[panel + 1]
-            if edge[panel + 1] <= 1.0
-            else dense * (largest / dense) ** (edge[panel + 1] - 1.0)
-        )
-        node[i] = panel * ORDER
-        panel_weights((2.0 * beta[i] - low - high) / (high - low), basis[i])
-    return row, stencil, node, basis
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _weighted(row, stencil, node, basis, table):
-    """Return the weighted sums over stencils and panels of a table (frequency, node)."""
-    out = np.empty(row.shape[0], np.complex128)
-    for i in range(row.shape[0]):
-        value = 0j
+        if u <= 1.0:
+            p = min(np.searchsorted(edge, u, side="right") - 1, edge.shape[0] - 2)
+            low = dense * edge[p]
+            high = dense * edge[p + 1]
+        else:
+            octaves = np.log(largest / dense)
+            u = min(1.0 + np.log(u) / octaves, 2.0)
+            p = min(np.searchsorted(edge, u, side="right") - 1, edge.shape[0] - 2)
+            low = dense * exp((edge[p] - 1.0) * octaves)
+            high = dense * exp((edge[p + 1] - 1.0) * octaves)
+        panel_weights((2.0 * beta[i] - low - high) / (high - low), basis)
+        for j in range(2 * ORDER):
+            panel[j] = 0.0
         for m in range(STENCIL):
-            along = 0j
-            for j in range(ORDER):
-                along += basis[i, j] * table[row[i] + m, node[i] + j]
-            value += stencil[i, m] * along
-        out[i] = value
+            w = stencil[m]
+            values = table[row + m, 2 * ORDER * p : 2 * ORDER * (p + 1)]
+            for j in range(2 * ORDER):
+                panel[j] += w * values[j]
+        real = 0.0
+        imag = 0.0
+        for j in range(ORDER):
+            real += basis[j] * panel[2 * j]
+            imag += basis[j] * panel[2 * j + 1]
+        out[i] = complex(real, imag)
     return out

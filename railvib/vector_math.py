@@ -3,7 +3,8 @@
 The library functions are called one value at a time, which costs more than everything else in the kernels of
 this project. These are straight-line polynomials: Cody–Waite range reduction, then minimax or Taylor
 polynomials, within 2 units in the last place over the ranges stated. They contain no branch, so a loop that
-calls them runs in vector registers.
+calls them runs in vector registers. A caller must not allow the compiler to reassociate sums: rounding to an
+integer rests on adding and subtracting a large number.
 """
 
 import numba
@@ -21,6 +22,8 @@ HALF_PI_1 = 1.57079632673412561417
 HALF_PI_2 = 6.07710050630396597660e-11
 HALF_PI_3 = 2.02226624879595063154e-21
 ONE_BITS = 0x3FF0000000000000
+LANES = 64
+"""Values that go through a longer recursion together, so that its innermost loops fill vector registers."""
 
 
 @intrinsic

@@ -221,10 +221,11 @@ def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
 
 
 def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegrals]]:
-    for unit in units:
-        inputs = unit.inputs
-        receiver = _transfer_function(inputs, inputs["receiver"], load)
-        yield {unit: line_integrals(receiver, inputs["distances"], _lines(inputs))}
+    first = units[0].inputs
+    asked = {unit.inputs["receiver"]: unit for unit in units}
+    receivers = {each: _transfer_function(unit.inputs, each, load) for each, unit in asked.items()}
+    made = line_integrals(receivers, first["distances"], _lines(first))
+    yield {asked[receiver]: integrals for receiver, integrals in made.items()}
 
 
 def _train_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TrainIntegrals]]:
@@ -366,7 +367,7 @@ KINDS: dict[str, Kind] = {
         result=LineIntegrals,
         scope=lambda inputs: "ground",
         needs=_integral_needs,
-        together=_together("ground", "track", "receiver", "distances", "step", "band", "tolerance"),
+        together=_together("ground", "track", "distances", "step", "band", "tolerance"),
         compute=_line_integrals,
         size=_line_integral_bytes,
         memory=lambda inputs: 4 * _line_integral_bytes(inputs),

@@ -54,7 +54,7 @@ def test_by_axle_equals_all_together(functions, standing, train):
     """Law 1: Eq. 27 with its cross terms is Eq. 23, to rounding."""
     midband = bands.midbands(2.0, 25.0)
     f = lines(midband, line_step(train.length, SPEED))
-    integrals = {each: line_integrals(functions[each], axle_distances(train), f) for each in RECEIVERS}
+    integrals = line_integrals({each: functions[each] for each in RECEIVERS}, axle_distances(train), f)
     made = {
         approach: spectra(approach, train, ROUGH, SPEED, midband, standing, functions, integrals)
         for approach in ("moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated")
@@ -69,7 +69,7 @@ def test_by_axle_equals_all_together(functions, standing, train):
 def test_uncorrelated_is_the_mean_over_random_delays(functions, standing, train):
     """Eq. 28 is what Eq. 23 gives on average if each axle's unevenness has a phase of its own."""
     f = np.array([9.0, 21.0])
-    integrals = line_integrals(functions[8.0], axle_distances(train), f)
+    integrals = line_integrals(functions, axle_distances(train), f)[8.0]
     matrices = force_matrices(train, standing, f)
     expected = np.einsum("fpp->f", line_products(integrals, train.axle_positions, matrices)).real
     rng = np.random.default_rng(4)
@@ -91,7 +91,7 @@ def test_line_integral_is_the_mean_over_positions(receiver, functions, train):
     f = np.array([7.0, 23.0])
     force = np.random.default_rng(5).normal(size=(2, 16, 2)) @ np.array([1.0, 1j])
     product = line_products(
-        line_integrals(functions[receiver], axle_distances(train), f), train.axle_positions, force[..., None]
+        line_integrals(functions, axle_distances(train), f)[receiver], train.axle_positions, force[..., None]
     )
     for row, frequency in enumerate(f):
         step, count = 2.0 * np.pi / 4000.0, 2**16  # 4 km of line
@@ -130,7 +130,7 @@ def test_frozen_full_model_is_moving_roughness(receiver, functions, train):
             SPEED,
             f,
         )[receiver]
-    integrals = line_integrals(functions[receiver], axle_distances(train), f)
+    integrals = line_integrals(functions, axle_distances(train), f)[receiver]
     # MR: (1/L) ∫|u|²dx S_w 2π/v with S_w = 1.
     moving = (
         line_products(integrals, alpha, np.tile(force, (f.size, 1))[..., None])[:, 0, 0].real
@@ -171,7 +171,7 @@ class TestSlowTrain:
         excited = Excitation((step, step), 40, amplitude, np.array([0.0]))
         full = passage_spectra({receiver: functions[receiver]}, excited, 1.0, speed, f)[receiver]
         force = self.force(standing.at(f)[:, 0], f)[:, None, None]
-        mean = line_products(line_integrals(functions[receiver], [0.0], f), np.array([0.0]), force)[
+        mean = line_products(line_integrals(functions, [0.0], f)[receiver], np.array([0.0]), force)[
             :, 0, 0
         ].real
         return full, mean * ROUGH.psd(2.0 * np.pi * f / speed) * 2.0 * np.pi / speed
@@ -202,7 +202,7 @@ class TestSlowTrain:
         force = np.einsum("flp,fp->fl", force_matrices(train, standing, f), arrivals(train, f, speed))[
             ..., None
         ]
-        mean = line_products(line_integrals(functions[8.0], d, f), train.axle_positions, force)[:, 0, 0].real
+        mean = line_products(line_integrals(functions, d, f)[8.0], train.axle_positions, force)[:, 0, 0].real
         rough = mean / train.length * ROUGH.psd(2.0 * np.pi * f / speed) * 2.0 * np.pi / speed
         by_band = bands.band_mean_squares(f, np.array([full, rough]), midband)[:, 0]
         assert abs(10.0 * np.log10(by_band[0] / by_band[1])) < 0.1

@@ -7,16 +7,34 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import spherical_jn
 
-from railvib.panels import ORDER, fourier_integrals, nodes_between, spherical_bessel, unresolved
+from railvib import panels
+from railvib.blocks import STENCIL
+from railvib.panels import NODE, ORDER, fourier_integrals, nodes_between, unresolved
 
 
-@pytest.mark.parametrize("x", [0.0, 1e-9, 1e-3, 0.7, 5.0, 11.9, 12.1, 80.0, 3000.0])
-def test_spherical_bessel(x):
-    out = np.empty(ORDER + 40)
-    spherical_bessel(x, ORDER, out)
+def test_spherical_bessel():
+    x = np.array([8.0, 8.7, 11.9, 12.1, 80.0, 3000.0])
+    out = np.empty((ORDER, x.size))
+    panels._spherical_bessel(0.5, 2.0 * x, out)
     expected = [spherical_jn(n, x) for n in range(ORDER)]
     # Of j_n small against 1 the absolute error counts: they multiply Legendre coefficients.
-    np.testing.assert_allclose(out[:ORDER], expected, rtol=1e-9, atol=1e-13)
+    np.testing.assert_allclose(out, expected, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("x", [-1.0, -0.3, 0.0, 0.999, float(NODE[3])])
+def test_panel_weights_are_exact_for_polynomials(x):
+    weight = np.empty(ORDER)
+    panels.panel_weights(x, weight)
+    for degree in range(ORDER):
+        assert weight @ NODE**degree == pytest.approx(x**degree, abs=1e-13)
+
+
+@pytest.mark.parametrize("t", [0.0, 3.0, 4.5, 8.999999, 9.0])
+def test_stencil_weights_are_exact_for_polynomials(t):
+    weight = np.empty(STENCIL)
+    panels.stencil_weights(t, weight)
+    for degree in range(STENCIL):
+        assert weight @ (np.arange(STENCIL) / 9.0) ** degree == pytest.approx((t / 9.0) ** degree, abs=1e-12)
 
 
 def test_fourier_integrals():

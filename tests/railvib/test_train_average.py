@@ -54,7 +54,7 @@ def test_less_than_over_the_line(receiver, functions, vehicle):
     )
     over_line = products(
         axle_pairs(
-            line_integrals(functions[receiver], axle_distances(train), FREQUENCY), train.axle_positions
+            line_integrals(functions, axle_distances(train), FREQUENCY)[receiver], train.axle_positions
         ),
         force,
     )
