@@ -129,9 +129,10 @@ def _material(stack, layer, omega):
 
 @numba.njit(cache=True, error_model="numpy")
 def psv_flexibility(r, omega, stack, rigid):
-    """Return the surface's 2 × 2 flexibility of P-SV waves (q11, q12, q21, q22) at one wavenumber r, Re r ≥ 0.
+    """Return q11, q12, q21, q22 of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa].
 
-    `omega` ≥ 0 in rad/s, `stack` that of `Ground`; values in m/Pa.
+    Displacements ũ_r, u_z of the surface per stresses τ̃_rz, σ_zz on it, u_r = i ũ_r and τ_rz = i τ̃_rz along
+    the wave vector; `stack` is that of `Ground`.
     """
     q11 = 0j
     q12 = 0j
