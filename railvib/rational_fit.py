@@ -128,8 +128,8 @@ def _fitted(
         if error.max() <= 2.0 * tolerance or support.size >= MOST_TERMS:
             break
         samples = 2 * samples + 1
-    pole = _poles(r_support**2, weight, z0)
-    pole = _clean(pole, largest, min(layer.loss_factor for layer in ground.layers))
+    pole = poles(r_support**2, weight, z0)
+    pole = clean(pole, largest, min(layer.loss_factor for layer in ground.layers))
     r_all = k0 * np.sinh(np.concatenate([x_seen, x_unseen]))
     f_all = flexibility(r_all)
     residue, constant = _residues(r_all, f_all, pole)
@@ -190,7 +190,7 @@ def _barycentric(
     return np.asarray((cauchy @ (weight * f_support)) / (cauchy @ weight))
 
 
-def _poles(z_support: np.ndarray, weight: np.ndarray, z0: float) -> np.ndarray:
+def poles(z_support: np.ndarray, weight: np.ndarray, z0: float) -> np.ndarray:
     """Return the zeros of Σ w_j/(z − z_j): eigenvalues in t = (z − z0)/(z + z0) as start, polished in z."""
     t = (z_support - z0) / (z_support + z0)
     w = weight * (1.0 - t)
@@ -237,7 +237,7 @@ def _polish(pole, z_support, weight):
             break
 
 
-def _clean(pole: np.ndarray, largest: float, loss_factor: float) -> np.ndarray:
+def clean(pole: np.ndarray, largest: float, loss_factor: float) -> np.ndarray:
     """Move stray poles near the end of the range off the real axis; drop those too close to it."""
     k = np.sqrt(pole)
     stray = (np.abs(k.real) > 0.8 * largest) & (np.abs(k.imag) < np.abs(k.real))

@@ -6,7 +6,7 @@ share their nodes, and none depends on which others were asked for. Each receive
 of frequencies at which interpolation between them passes a check against direct evaluation half-way.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -45,6 +45,7 @@ def transfer_blocks(
     receivers: Iterable[Receiver],
     tolerance: float = 1e-4,
     refinement: int = 1,
+    evaluation: "Callable[[GroundFits, Track, Iterable[float], float], Evaluation] | None" = None,
 ) -> dict[Receiver, TransferBlock]:
     """Tabulate the transfer functions of several receivers over one block of frequencies.
 
@@ -61,6 +62,8 @@ def transfer_blocks(
     refinement
         For studies of convergence: 2 halves the steps in frequency and the panels in wavenumber that the
         tolerance asks for, and doubles the range of wavenumbers; 4 does so twice.
+    evaluation
+        What evaluates the transfer functions; without it the semi-analytical model.
 
     Returns
     -------
@@ -68,17 +71,18 @@ def transfer_blocks(
         A `TransferBlock` per receiver, the same whichever others were asked for with it.
     """
     fits = GroundFits(ground, block, 1e-6 * tolerance)
+    evaluation = evaluation or Evaluation
     classes: dict[float, set[Receiver]] = {}
     for receiver in receivers:
         classes.setdefault(distance_class(receiver), set()).add(receiver)
     made: dict[Receiver, TransferBlock] = {}
     for reach, members in sorted(classes.items()):
-        nodes = _resolved_nodes(_Evaluation(fits, track, (0.0, reach), tolerance), tolerance, refinement)
-        made.update(_tables(fits, track, nodes, members, tolerance, refinement))
+        nodes = _resolved_nodes(evaluation(fits, track, (0.0, reach), tolerance), tolerance, refinement)
+        made.update(_tables(fits, track, nodes, members, tolerance, refinement, evaluation))
     return made
 
 
-class _Evaluation:
+class Evaluation:
     """Direct evaluation of the transfer functions of the rail and of the ground at some offsets."""
 
     def __init__(self, fits: GroundFits, track: Track, offsets: Iterable[float], tolerance: float) -> None:
@@ -93,6 +97,7 @@ class _Evaluation:
         return 0 if receiver == "rail" else 1 + int(np.searchsorted(self.offsets, float(receiver)))
 
     def __call__(self, level: int, k: int, beta: np.ndarray) -> np.ndarray:
+        """Return the rail and the ground at the offsets at frequency k of a level, (1 + offsets, n)."""
         f = float(blocks.frequency(level, k))
         fit = self.fits.at(level, k)
         b = self.track.half_width
@@ -116,7 +121,7 @@ class _Evaluation:
         return np.concatenate([rail[None], force * compliance])
 
 
-def _resolved_nodes(evaluate: _Evaluation, tolerance: float, refinement: int) -> Nodes:
+def _resolved_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> Nodes:
     """Halve panels until the last Legendre coefficients of every function are small, at three frequencies."""
     ground, block = evaluate.fits.ground, evaluate.fits.block
     ks = blocks.indices(block, 0)[[0, blocks.HALO + blocks.STEPS // 2, -1]]
@@ -156,6 +161,7 @@ def _tables(
     receivers: set[Receiver],
     tolerance: float,
     refinement: int,
+    evaluation: "Callable[[GroundFits, Track, Iterable[float], float], Evaluation]",
 ) -> dict[Receiver, TransferBlock]:
     """Tabulate receivers on given nodes, each at the first level that passes its check, or one beyond it."""
     made: dict[Receiver, TransferBlock] = {}
@@ -166,7 +172,7 @@ def _tables(
         pending = sorted(receivers - made.keys(), key=str)
         if not pending:
             break
-        evaluate = _Evaluation(fits, track, [float(r) for r in pending if r != "rail"], tolerance)
+        evaluate = evaluation(fits, track, [float(r) for r in pending if r != "rail"], tolerance)
         ks = blocks.indices(fits.block, level)
         frequency = blocks.frequency(level, ks)
         beta = nodes.wavenumber(frequency)
