@@ -142,8 +142,8 @@ def _fitted(
         if error.max() <= 2.0 * tolerance or support.size >= MOST_TERMS:
             break
         samples = 2 * samples + 1
-    zero = _poles(r_support**2, weight, z0, guess)
-    pole = _clean(zero, largest, min(layer.loss_factor for layer in ground.layers))
+    zero = poles(r_support**2, weight, z0, guess)
+    pole = clean(zero, largest, min(layer.loss_factor for layer in ground.layers))
     residue, constant = _residues(k0 * np.sinh(x_seen), f_seen, pole)
     checked = _partial_fraction_errors(r_unseen, f_unseen, pole, residue, constant).max()
     return RationalFit(pole, residue, constant, float(checked), Start(support, zero / k0**2))
@@ -238,7 +238,9 @@ def _barycentric_errors(cauchy, weight, f_support, f):
     return error
 
 
-def _poles(z_support: np.ndarray, weight: np.ndarray, z0: float, guess: np.ndarray | None) -> np.ndarray:
+def poles(
+    z_support: np.ndarray, weight: np.ndarray, z0: float, guess: np.ndarray | None = None
+) -> np.ndarray:
     """Return the zeros of Σ w_j/(z − z_j), from a neighbour's as a guess where there are as many of them."""
     n = z_support.size
     if guess is not None and guess.size == n - 1:
@@ -293,7 +295,7 @@ def _polish(pole, z_support, weight, sweeps):
     return False
 
 
-def _clean(pole: np.ndarray, largest: float, loss_factor: float) -> np.ndarray:
+def clean(pole: np.ndarray, largest: float, loss_factor: float) -> np.ndarray:
     """Move stray poles near the end of the range off the real axis; drop those too close to it."""
     k = np.sqrt(pole)
     stray = (np.abs(k.real) > 0.8 * largest) & (np.abs(k.imag) < np.abs(k.real))

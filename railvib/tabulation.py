@@ -6,7 +6,7 @@ share their nodes, and none depends on which others were asked for. Each receive
 of frequencies at which interpolation between them passes a check against direct evaluation half-way.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -47,6 +47,7 @@ def transfer_blocks(
     receivers: Iterable[Receiver],
     tolerance: float = 1e-4,
     refinement: int = 1,
+    evaluation: "Model | None" = None,
 ) -> dict[Receiver, TransferBlock]:
     """Tabulate the transfer functions of several receivers over one block of frequencies.
 
@@ -63,6 +64,8 @@ def transfer_blocks(
     refinement
         For studies of convergence: 2 halves the steps in frequency and the panels in wavenumber that the
         tolerance asks for, and doubles the range of wavenumbers; 4 does so twice.
+    evaluation
+        What evaluates the transfer functions; without it the semi-analytical model.
 
     Returns
     -------
@@ -70,7 +73,9 @@ def transfer_blocks(
         A `TransferBlock` per receiver, the same whichever others were asked for with it.
     """
     made: dict[Receiver, TransferBlock] = {}
-    for members in transfer_blocks_by_class(ground, track, block, receivers, tolerance, refinement):
+    for members in transfer_blocks_by_class(
+        ground, track, block, receivers, tolerance, refinement, evaluation
+    ):
         made.update(members)
     return made
 
@@ -82,68 +87,98 @@ def transfer_blocks_by_class(
     receivers: Iterable[Receiver],
     tolerance: float = 1e-4,
     refinement: int = 1,
+    evaluation: "Model | None" = None,
 ) -> Iterator[dict[Receiver, TransferBlock]]:
     """Yield what `transfer_blocks` returns class by class, so that not all tables need be held at once."""
     fits = GroundFits(ground, block, 1e-6 * tolerance)
+    model = evaluation or Evaluation
     classes: dict[float, set[Receiver]] = {}
     for receiver in receivers:
         classes.setdefault(distance_class(receiver), set()).add(receiver)
     for reach, members in sorted(classes.items()):
-        evaluate = _Evaluation(fits, track, tolerance)
-        nodes = _resolved_nodes(evaluate, reach, tolerance, refinement)
+        nodes = _resolved_nodes(model(fits, track, (0.0, reach), tolerance), tolerance, refinement)
+        samples = _Samples(model, fits, track, nodes, tolerance)
         certificate = _compliance_error(fits, track, reach, tolerance)
-        yield _tables(evaluate, nodes, members, certificate, tolerance, refinement)
+        yield _tables(samples, members, certificate, refinement)
 
 
-class _Evaluation:
-    """Direct evaluation of the transfer functions of the rail and of the ground at some offsets."""
+class Evaluation:
+    """Direct evaluation of the transfer functions of the rail and of the ground at some offsets.
 
-    def __init__(self, fits: GroundFits, track: Track, tolerance: float) -> None:
+    Attributes
+    ----------
+    offsets
+        Distances from the centre line, m, ascending from 0.
+    compliance
+        C(β, 0) of the last evaluation, on which the track is put exactly between frequencies; None for a
+        model that knows no such thing, whose transfer functions are interpolated themselves.
+    failed
+        Frequencies at which there was no good fit, Hz.
+    """
+
+    compliance: np.ndarray | None = None
+
+    def __init__(self, fits: GroundFits, track: Track, offsets: Iterable[float], tolerance: float) -> None:
         self.fits = fits
         self.track = track
+        self.offsets = np.unique([0.0, *offsets])
         self.tolerance = tolerance
         self.failed: set[float] = set()
 
-    def __call__(self, level: int, k: int, beta: np.ndarray, offsets: np.ndarray) -> np.ndarray:
-        """Return the rail's response, C(β, 0), and the ground's responses; the first offset must be 0."""
+    def row(self, receiver: Receiver) -> int:
+        """Return the row of a receiver in what a call returns."""
+        return 0 if receiver == "rail" else 1 + int(np.searchsorted(self.offsets, float(receiver)))
+
+    def __call__(self, level: int, k: int, beta: np.ndarray) -> np.ndarray:
+        """Return the rail and the ground at the offsets at frequency k of a level, (1 + offsets, n)."""
         f = float(blocks.frequency(level, k))
         fit = self.fits.at(level, k)
         b = self.track.half_width
         with cost.stage("transfer functions") as spent:
             if fit.error <= 1e-2 * self.tolerance:
-                real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, offsets)
+                real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, self.offsets)
                 compliance = real + 1j * imag
             else:
                 self.failed.add(f)
                 compliance = np.array(
                     [
                         strip_compliance_by_quadrature(
-                            self.fits.ground, b, each, offsets, f, 1e-3 * self.tolerance
+                            self.fits.ground, b, each, self.offsets, f, 1e-3 * self.tolerance
                         )
                         for each in beta
                     ]
                 ).T
-            rail, force = track_response(self.track, beta, 2.0 * np.pi * f, compliance[0])
+            self.compliance = compliance[0]
+            rail, force = track_response(self.track, beta, 2.0 * np.pi * f, self.compliance)
             spent.evaluations += beta.size
             spent.kernel_calls += 1
-        return np.concatenate([rail[None], compliance[:1], force * compliance])
+        return np.concatenate([rail[None], force * compliance])
+
+
+Model = Callable[[GroundFits, Track, Iterable[float], float], Evaluation]
+"""Makes an evaluation for given fits, track, offsets and tolerance."""
 
 
 class _Samples:
     """Direct values on the nodes of a class, each frequency and receiver computed once."""
 
-    UNDER = "under the track"
+    COMPLIANCE = "compliance"
     """Name of C(β, 0) among the receivers."""
 
-    def __init__(self, evaluate: _Evaluation, nodes: Nodes) -> None:
-        self._evaluate = evaluate
-        self._nodes = nodes
+    def __init__(self, model: Model, fits: GroundFits, track: Track, nodes: Nodes, tolerance: float) -> None:
+        self.fits = fits
+        self.track = track
+        self.nodes = nodes
+        self.tolerance = tolerance
+        self.failed: set[float] = set()
+        self._model = model
         self._known: dict[tuple[int, int], dict[Receiver, np.ndarray]] = {}
 
     def at(self, level: int, ks: np.ndarray, receivers: list[Receiver]) -> dict[Receiver, np.ndarray]:
-        """Return values (frequencies, nodes) of C(β, 0) and of some receivers at frequencies of a level."""
+        """Return values (frequencies, nodes) of receivers, of the ground at 0, and of C(β, 0) if known."""
         rows = [self._row(level, int(k), receivers) for k in ks]
-        return {name: np.array([row[name] for row in rows]) for name in (self.UNDER, *receivers)}
+        names = [name for name in (self.COMPLIANCE, 0.0, *receivers) if name in rows[0]]
+        return {name: np.array([row[name] for row in rows]) for name in dict.fromkeys(names)}
 
     def _row(self, level: int, k: int, receivers: list[Receiver]) -> dict[Receiver, np.ndarray]:
         while level > 0 and k % 2 == 0:
@@ -151,16 +186,18 @@ class _Samples:
         known = self._known.setdefault((level, k), {})
         missing = [each for each in receivers if each not in known]
         if missing:
-            grounds = [float(each) for each in missing if each != "rail"]
-            offsets = np.unique([0.0, *grounds])
-            beta = self._nodes.wavenumber(blocks.frequency(level, np.array([k])))[0]
-            rail, under, *ground = self._evaluate(level, k, beta, offsets)
-            known.update({"rail": rail, self.UNDER: under})
-            known.update({each: ground[int(np.searchsorted(offsets, each))] for each in grounds})
+            offsets = [float(each) for each in missing if each != "rail"]
+            evaluate = self._model(self.fits, self.track, offsets, self.tolerance)
+            beta = self.nodes.wavenumber(blocks.frequency(level, np.array([k])))[0]
+            values = evaluate(level, k, beta)
+            known.update({each: values[evaluate.row(each)] for each in (0.0, *missing)})
+            if evaluate.compliance is not None:
+                known[self.COMPLIANCE] = evaluate.compliance
+            self.failed |= evaluate.failed
         return known
 
 
-def _resolved_nodes(evaluate: _Evaluation, reach: float, tolerance: float, refinement: int) -> Nodes:
+def _resolved_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> Nodes:
     """Halve panels until the last Legendre coefficients of every function are small, at three frequencies."""
     ground, block = evaluate.fits.ground, evaluate.fits.block
     ks = blocks.indices(block, 0)[[0, blocks.HALO + blocks.STEPS // 2, -1]]
@@ -174,12 +211,11 @@ def _resolved_nodes(evaluate: _Evaluation, reach: float, tolerance: float, refin
     )
     pending = np.stack([edge[:-1], edge[1:]], axis=1)
     finished: list[np.ndarray] = []
-    offsets = np.array([0.0, reach])
-    peak = np.zeros((ks.size, 2 + offsets.size))
+    peak = np.zeros((ks.size, 1 + evaluate.offsets.size))
     for _ in range(_MOST_HALVINGS):
         # Each pending panel alone, between its own two edges.
         beta = np.concatenate([Nodes(top, largest, each).wavenumber(frequency) for each in pending], axis=1)
-        values = np.array([evaluate(0, int(k), row, offsets) for k, row in zip(ks, beta, strict=True)])
+        values = np.array([evaluate(0, int(k), row) for k, row in zip(ks, beta, strict=True)])
         peak = np.maximum(peak, np.abs(values).max(axis=2))
         bad = (unresolved(values) > 1e-2 * tolerance * peak[..., None]).any(axis=(0, 1))
         finished.append(pending[~bad])
@@ -195,16 +231,10 @@ def _resolved_nodes(evaluate: _Evaluation, reach: float, tolerance: float, refin
 
 
 def _tables(
-    evaluate: _Evaluation,
-    nodes: Nodes,
-    receivers: set[Receiver],
-    certificate: float,
-    tolerance: float,
-    refinement: int,
+    samples: _Samples, receivers: set[Receiver], certificate: float, refinement: int
 ) -> dict[Receiver, TransferBlock]:
-    """Tabulate receivers on given nodes, each at the first level that passes its check, or one beyond it."""
-    fits, track = evaluate.fits, evaluate.track
-    samples = _Samples(evaluate, nodes)
+    """Tabulate receivers, each at the first level that passes its check, or one beyond it."""
+    fits, nodes, tolerance = samples.fits, samples.nodes, samples.tolerance
     made: dict[Receiver, TransferBlock] = {}
     passed: dict[Receiver, int] = {}
     beyond = int(np.log2(refinement))
@@ -222,9 +252,9 @@ def _tables(
         common: dict[str, Any] = {
             "frequency": frequency,
             "wavenumber": nodes.wavenumber(frequency),
-            "compliance": tabulated[samples.UNDER],
+            "compliance": tabulated.get(samples.COMPLIANCE),
             **_rational_form(fits, level, ks),
-            "quadrature": np.isin(frequency, list(evaluate.failed)).astype(float),
+            "quadrature": np.isin(frequency, list(samples.failed)).astype(float),
             "edge": nodes.edge,
             "block": fits.block,
             "level": level,
@@ -233,9 +263,9 @@ def _tables(
             "compliance_error": certificate,
         }
         for receiver in pending:
-            distance = 0.0 if receiver == "rail" else max(float(receiver) - track.half_width, 0.0)
+            distance = 0.0 if receiver == "rail" else max(float(receiver) - samples.track.half_width, 0.0)
             # The peak is the field's: under the track for the ground, however far the receiver.
-            under = direct[receiver] if receiver == "rail" else direct[samples.UNDER]
+            under = direct["rail" if receiver == "rail" else 0.0]
             size = np.maximum(np.abs(direct[receiver]), 1e-8 * np.abs(under).max(axis=1, keepdims=True))
             candidates = []
             for slowness in slownesses if distance > 0.0 else [0.0]:
@@ -248,7 +278,7 @@ def _tables(
                     reference_slowness=slowness,
                     interpolation_error=np.nan,
                 )
-                _beta, between = TransferFunction([table], track).at(fits.block, f_halfway)
+                _beta, between = TransferFunction([table], samples.track).at(fits.block, f_halfway)
                 error = float((np.abs(between - direct[receiver]) / size).max())
                 candidates.append(replace(table, interpolation_error=error))
             best = min(candidates, key=lambda each: each.interpolation_error)

@@ -112,12 +112,12 @@ def test_quadrature_takes_over_where_the_fit_fails(track, monkeypatch):
     )
     fits = tabulation.GroundFits(ground, -3, 1e-10)
     beta = np.linspace(0.0, 3.0, 9)
-    evaluate = tabulation._Evaluation(fits, track, 1e-4)
-    fitted = evaluate(0, int(blocks.indices(-3, 0)[0]), beta, np.array([0.0, 8.0]))
+    evaluate = tabulation.Evaluation(fits, track, [8.0], 1e-4)
+    fitted = evaluate(0, int(blocks.indices(-3, 0)[0]), beta)
     assert not evaluate.failed
     monkeypatch.setattr(tabulation.GroundFits, "at", failing)
-    again = tabulation._Evaluation(fits, track, 1e-4)
-    computed = again(0, int(blocks.indices(-3, 0)[0]), beta, np.array([0.0, 8.0]))
+    again = tabulation.Evaluation(fits, track, [8.0], 1e-4)
+    computed = again(0, int(blocks.indices(-3, 0)[0]), beta)
     np.testing.assert_allclose(computed, fitted, rtol=1e-6)
     assert len(again.failed) == 1
 
