@@ -1,11 +1,6 @@
-"""How results look in every figure: one line per approach, one frequency axis, one page width.
-
-Colours are those of Okabe and Ito (2008), told apart by colour-blind readers; dashes and markers tell them
-apart in grey.
-"""
+"""How figures for print look: one page width, one frequency axis, legends outside of the data."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -14,7 +9,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter
 
-from queries.table import band, printable
+from queries.lines import plain
+from queries.table import band
 
 WIDTH_IN = 7.2
 """Width of a page's text, inch."""
@@ -23,60 +19,6 @@ _EDGE_IN = 0.5
 """Height of the strip above the panels that holds legend and panel names, inch."""
 _FONT = 8.5
 _GRID = "#d9d9d9"
-
-
-@dataclass(frozen=True)
-class Line:
-    """Colour, dashes and marker of a line, and what its legend says."""
-
-    colour: str
-    dashes: str | tuple[float, tuple[float, ...]]
-    marker: str
-    label: str
-    width: float = 1.3
-    marker_size: float = 3.0
-    order: float = 2.2
-
-
-_APPROACHES = {
-    # Broad and underneath: where the others agree with it, they are seen on it.
-    "full": Line("#000000", "-", "o", "full model", width=2.0, marker_size=4.6, order=2.1),
-    "moving-roughness": Line("#0072B2", (0, (5, 1.5)), "s", "moving roughness"),
-    "moving-roughness-by-axle": Line("#009E73", (0, (1, 1.2)), "D", "moving roughness by axle"),
-    "moving-roughness-uncorrelated": Line(
-        "#D55E00", (0, (5, 1.2, 1, 1.2)), "^", "moving roughness, uncorrelated axles"
-    ),
-    "fe-be": Line("#CC79A7", (0, (3, 1, 1, 1, 1, 1)), "v", "finite and boundary elements"),
-}
-_COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-_DASHES: tuple[str | tuple[float, tuple[float, ...]], ...] = (
-    "-",
-    (0, (5, 1.5)),
-    (0, (5, 1.2, 1, 1.2)),
-    (0, (1, 1.2)),
-)
-_MARKERS = "os^Dv<>"
-
-
-def approach_line(approach: str) -> Line:
-    """Return the line of an approach, the same in every figure."""
-    return _APPROACHES.get(approach, Line("#8a6d00", (0, (3, 1)), "x", plain(approach)))
-
-
-def numbered_line(number: int, label: str) -> Line:
-    """Return the line of the so-many-th thing of one kind, such as a speed."""
-    return Line(
-        _COLOURS[number % len(_COLOURS)],
-        _DASHES[number % len(_DASHES)],
-        _MARKERS[number % len(_MARKERS)],
-        plain(label),
-    )
-
-
-def plain(text: str) -> str:
-    """Return a name as the text of a figure; a leading underscore would hide it from a legend."""
-    text = printable(text)
-    return f" {text}" if text.startswith("_") else text
 
 
 def page(

@@ -290,7 +290,7 @@ def cost_table_of_runs(connection: duckdb.DuckDBPyConnection, first: Levels, sec
         title=f"Cost per case, {first.title} and {second.title}",
         columns=("approach", "cases", "evaluations", "then", "CPU [s]", "then", "faster"),
         rows=tuple(
-            (name, str(cases), number(own, 0), number(then, 0), number(cpu), number(cpu_then), _times(ratio))
+            (name, str(cases), number(own, 0), number(then, 0), number(cpu), number(cpu_then), times(ratio))
             for name, cases, own, then, cpu, cpu_then, ratio in map(
                 by_approach.__getitem__, in_order(by_approach)
             )
@@ -302,9 +302,9 @@ def cost_table_of_runs(connection: duckdb.DuckDBPyConnection, first: Levels, sec
     )
 
 
-def cost_table(connection: duckdb.DuckDBPyConnection) -> Table:
-    """Return what each approach costs per case, or over all cases where there are many."""
-    many = case_count(connection) > MANY_CASES
+def cost_table(connection: duckdb.DuckDBPyConnection, by_case: bool = False) -> Table:
+    """Return what each approach costs per case, or over all cases where there are many, unless `by_case`."""
+    many = not by_case and case_count(connection) > MANY_CASES
     axes = [] if many else varying(connection)
     keys = "".join(f"{AXES[axis]}, " for axis in axes)
     order = {name: place for place, name in enumerate(approaches(connection))}
@@ -356,13 +356,14 @@ def _cost_cells(values: Iterable[Any]) -> list[str]:
         number(evaluations, 0),
         number(cpu),
         number(wall),
-        _times(faster),
+        times(faster),
         number(more_cpu),
-        _times(more_faster),
+        times(more_faster),
     ]
 
 
-def _times(ratio: float | None) -> str:
+def times(ratio: float | None) -> str:
+    """Return a ratio of costs as text."""
     return "–" if ratio is None else f"{number(ratio, 2)} ×"
 
 

@@ -12,18 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from queries.appearance import (
-    Line,
-    approach_line,
-    band_axis,
-    label,
-    legend,
-    level_axis,
-    name_panel,
-    numbered_line,
-    page,
-    plain,
-)
+from queries.appearance import band_axis, label, legend, level_axis, name_panel, page
+from queries.lines import Line, approach_line, numbered_line, plain
 
 _VELOCITY = "velocity level [dB re 1e-9 m/s]"
 _FORCE = "force level [dB re 1 N]"
@@ -68,7 +58,7 @@ class _Legend:
             x,
             y,
             color=line.colour,
-            linestyle=line.dashes,
+            linestyle=(0, line.dashes) if line.dashes else "-",
             marker=line.marker if markers else None,
             markersize=line.marker_size,
             linewidth=width or line.width,
@@ -225,7 +215,7 @@ def narrow_band(
                 place == 0 and len(by_approach) > 1
             ):  # in a grey of its own, so that the smoother curves stay readable on it
                 line = Line(
-                    "#8c8c8c" if line.colour == "#000000" else line.colour, "-", line.marker, line.label
+                    "#8c8c8c" if line.colour == "#000000" else line.colour, (), line.marker, line.label
                 )
             shared.curve(
                 axis, frequency[inside], level, line, markers=False, width=0.7 if place == 0 else 1.2

@@ -2,19 +2,19 @@
 
 import duckdb
 
-from queries.compare import (
-    MANY_CASES,
-    Error,
-    case_count,
-    cell,
-    cost_table,
-    error_table,
-    errors,
-    pairs,
-    reference,
-    varying,
-)
+from queries.compare import Error, case_count, cell, errors, pairs, reference, times, varying
+from queries.lines import approach_line
 from queries.table import Table, band, decibels, number
+
+TRUSTED_DB = 3.0
+"""Mean size of error up to which an approach may stand in for the reference: a factor of two in energy."""
+
+PLACES = {
+    "forces": "quantity = 'wheel_rail_force'",
+    "rail": "receiver = 'rail'",
+    "ground": "receiver = 'ground'",
+}
+"""What errors are summed up over, by their condition in SQL."""
 
 
 def summary(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> list[str]:
@@ -25,22 +25,21 @@ def summary(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic"
         approach = pair.approach
         places = errors(connection, pair, ("receiver",), contribution)
         whole = errors(connection, pair, (*varying(connection), "receiver"), contribution)
+        name, other = _label(str(approach)), approach_line(against).label
         if not places:
-            sentences.append(f"{approach} cannot be compared with {against}: no case has results of both.")
+            sentences.append(f"{name} cannot be compared with the {other}: no case has results of both.")
             continue
         best, worst = min(places, key=_size), max(places, key=_size)
         largest = max(whole, key=lambda error: abs(error.largest))
         where = ", ".join(
-            cell(name, value) for name, value in zip(varying(connection), largest.group, strict=False)
+            cell(axis, value) for axis, value in zip(varying(connection), largest.group, strict=False)
         )
-        sentences.append(
-            f"{approach} differs from {against} by {worst.mean_absolute:.1f} dB on average at the worst "
-            "receiver "
-            f"({worst.group[0]}, mean {decibels(worst.mean)} dB) and by {best.mean_absolute:.1f} dB at the "
-            "best "
-            f"({best.group[0]}, mean {decibels(best.mean)} dB); the largest difference of a band is "
-            f"{decibels(largest.largest)} dB at {band(largest.largest_band_hz)} Hz ({where}, "
-            f"{largest.group[-1]})."
+        sentence = (
+            f"{name} is {worst.mean_absolute:.1f} dB from the {other} on average where it is furthest "
+            f"({worst.group[0]}, mean {decibels(worst.mean)} dB), "
+            f"{best.mean_absolute:.1f} dB where it is closest ({best.group[0]}); "
+            f"the largest difference of a band is {decibels(largest.largest)} dB at "
+            f"{band(largest.largest_band_hz)} Hz ({where}, {largest.group[-1]})."
         )
         row = connection.execute(
             "SELECT avg(cpu_s), avg(speed_up), avg(marginal_speed_cpu_s), avg(marginal_speed_up) FROM "
@@ -48,11 +47,12 @@ def summary(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic"
             [approach],
         ).fetchone()
         if row and row[1] is not None:
-            sentence = f"{approach} costs {number(row[0])} CPU seconds per case, {_ratio(row[1], against)}"
+            sentence += f" It costs {number(row[0])} CPU seconds per case, {_ratio(row[1], other)}"
             if row[3] is not None:
-                sentence += f"; one more speed costs {number(row[2])} CPU seconds, {_ratio(row[3], against)}"
-            sentences.append(sentence + ".")
-    return sentences + missing(connection)
+                sentence += f"; one more speed costs {number(row[2])} CPU seconds, {_ratio(row[3], other)}"
+            sentence += "."
+        sentences.append(sentence)
+    return sentences
 
 
 def missing(connection: duckdb.DuckDBPyConnection) -> list[str]:
@@ -68,18 +68,68 @@ def missing(connection: duckdb.DuckDBPyConnection) -> list[str]:
     ]
 
 
+def _label(approach: str) -> str:
+    label = approach_line(approach).label
+    return label[:1].upper() + label[1:]
+
+
 def _size(error: Error) -> float:
     return error.mean_absolute
 
 
 def _ratio(times: float, against: str) -> str:
     if times >= 1.0:
-        return f"{number(times, 2)} times less than {against}"
-    return f"{number(1.0 / times, 2)} times more than {against}"
+        return f"{number(times, 2)} times less than the {against}"
+    return f"{number(1.0 / times, 2)} times more than the {against}"
 
 
-def tables(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> list[Table]:
-    """Return the tables of a report: errors of each approach against the reference, and costs."""
-    by = ("receiver",) if case_count(connection) > MANY_CASES else None
-    found = [error_table(connection, pair, by, contribution) for pair in pairs(connection)]
-    return [*found, cost_table(connection)]
+def verdicts(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> Table:
+    """Return error and cost of every approach at a glance, and from which band up it may be trusted."""
+    against = reference(connection)
+    rows = []
+    for pair in pairs(connection):
+        cells = []
+        for place in PLACES:
+            found = connection.execute(
+                f"SELECT band_hz, avg(abs(difference_db)), count(*) FROM ({pair.rows}) WHERE averaging = "
+                f"'line' "
+                f"AND contribution = $3 AND difference_db IS NOT NULL AND {PLACES[place]} "
+                "GROUP BY band_hz ORDER BY band_hz DESC",
+                [*pair.given, contribution],
+            ).fetchall()
+            cells += [_mean(found), _trusted(found)]
+        cost = connection.execute(
+            "SELECT avg(cpu_s), avg(speed_up), avg(marginal_speed_up) FROM runtime WHERE approach = $1",
+            [pair.approach],
+        ).fetchone() or (None, None, None)
+        rows.append((approach_line(str(pair.approach)).label, *cells, number(cost[0]), *map(times, cost[1:])))
+    return Table(
+        title=f"Against the {approach_line(against).label}, at a glance",
+        columns=(
+            "approach",
+            *(head for place in PLACES for head in (f"{place}: mean |dB|", f"within {TRUSTED_DB:g} dB from")),
+            "CPU per case [s]",
+            "faster",
+            "faster, one more speed",
+        ),
+        rows=tuple(rows),
+        note=f"Mean size of the error over all cases, receivers and bands. Within {TRUSTED_DB:g} dB from: "
+        f"the lowest "
+        "band from which upwards the mean size of the error stays so small. Faster: CPU time of "
+        f"the {approach_line(against).label} over that of the approach.",
+    )
+
+
+def _mean(found: list[tuple[float, float, int]]) -> str:
+    count = sum(row[2] for row in found)
+    return f"{sum(row[1] * row[2] for row in found) / count:.1f}" if count else "–"
+
+
+def _trusted(found: list[tuple[float, float, int]]) -> str:
+    """Return the lowest band from which upwards the error is small, given from the highest band down."""
+    lowest = None
+    for band_hz, error, _ in found:
+        if error > TRUSTED_DB:
+            break
+        lowest = band_hz
+    return "–" if lowest is None else f"{band(lowest)} Hz"

@@ -9,7 +9,7 @@ from queries import cli, compare, database
 from queries.compare import Pair
 from queries.database import ResultsError
 from queries.ingest import ingest
-from queries.summary import missing, summary
+from queries.summary import missing, summary, verdicts
 from queries.table import Table, band, decibels, number
 from tests.queries.run_directory import BANDS
 
@@ -141,12 +141,27 @@ def test_an_unknown_grouping_is_refused(results):
 
 
 def test_the_summary_states_error_and_cost(results):
-    first, second, *_ = summary(results)
-    assert first.startswith("moving-roughness differs from full by 1.0 dB on average at the worst receiver")
-    assert second == (
-        "moving-roughness costs 5.75 CPU seconds per case, 1.3 times less than full; "
-        "one more speed costs 0.250 CPU seconds, 10 times less than full."
+    first, second = summary(results)
+    assert first.startswith("Moving roughness is 1.0 dB from the full model on average where it is furthest")
+    assert first.endswith(
+        "It costs 5.75 CPU seconds per case, 1.3 times less than the full model; "
+        "one more speed costs 0.250 CPU seconds, 10 times less than the full model."
     )
+    assert second.startswith("Moving roughness, uncorrelated axles is 3.0 dB from the full model")
+
+
+def test_the_glance_says_from_which_band_up_an_approach_may_be_trusted(run):
+    # Below 8 Hz the rail's error grows to 5 dB.
+    change(
+        run,
+        "UPDATE bands SET mean_square = mean_square * 10 ** 0.4 WHERE receiver = 'rail' "
+        "AND approach = 'moving-roughness' AND band_hz < 7.9",
+    )
+    with database.connect(run) as connection:
+        rows = [dict(zip(range(10), row, strict=False)) for row in verdicts(connection).rows]
+    assert [row[0] for row in rows] == ["moving roughness", "moving roughness, uncorrelated axles"]
+    assert [rows[0][n] for n in range(1, 7)] == ["1.0", "1 Hz", "2.7", "8 Hz", "1.0", "1 Hz"]
+    assert [rows[0][n] for n in range(7, 10)] == ["5.75", "1.3 ×", "10 ×"]
 
 
 def test_what_is_missing_is_said(study):
@@ -156,8 +171,9 @@ def test_what_is_missing_is_said(study):
         assert missing(connection) == [
             "Missing: moving-roughness lacks results in 2 of 2 cases (ArithmeticError: no <b>solution</b>)."
         ]
-        assert "moving-roughness cannot be compared with full: no case has results of both." in summary(
-            connection
+        assert (
+            "Moving roughness cannot be compared with the full model: no case has results of both."
+            in summary(connection)
         )
     done = shown(directory)
     assert done.exit_code == 0

@@ -1,50 +1,63 @@
 """The report is one file, says what the database says, and takes names as text."""
 
+import base64
 import html.parser
+import json
 import re
 import shutil
 
 import duckdb
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import queries
-from queries import cli, database, figures
+from queries import cli, database, figures, page_data
 from queries.database import ResultsError
 from sweep import records
 
 
-@pytest.fixture
-def every_figure():
-    """Ask for all figures; without it reports have the first one only, for drawing takes time."""
-
-
 @pytest.fixture(autouse=True)
-def _few_figures(request, monkeypatch):
-    if "every_figure" not in request.fixturenames:
-        drawings = figures.drawings
-        monkeypatch.setattr(figures, "drawings", lambda *given: drawings(*given)[:1])
+def _few_figures(monkeypatch):
+    """Draw the first figure only, for drawing takes time."""
+    drawings = figures.drawings
+    monkeypatch.setattr(figures, "drawings", lambda connection: drawings(connection)[:1])
 
 
 class Page(html.parser.HTMLParser):
-    """Collects tags with their attributes, and all text."""
+    """Collects tags with their attributes, all text, and the data of the figures."""
 
     def __init__(self, text):
         super().__init__()
-        self.tags, self.words, self.open = [], [], []
+        self.tags, self.words, self.open, self.scripts = [], [], [], []
         self.feed(text)
+        self.data = json.loads(self.scripts[0])
 
     def handle_starttag(self, tag, attributes):
         self.tags.append((tag, dict(attributes)))
-        if tag not in ("meta", "link", "img"):
+        if tag not in ("meta", "link", "input", "line"):
             self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
-        if self.open and self.open[-1] != "style":
+        if self.open and self.open[-1] == "script":
+            self.scripts.append(data)
+        elif self.open and self.open[-1] != "style":
             self.words.append(data)
+
+    def level(self, case, approach, receiver, band):
+        """Return the dynamic level of a case that the figures show, dB."""
+        data = self.data
+        sizes = [len(data[name]) for name in ("cases", "approaches", "contributions", "receivers", "bands")]
+        packed = np.frombuffer(base64.b64decode(data["levels"]), dtype="<i2").reshape(sizes)
+        names = [each["name"] for each in data["approaches"]]
+        receivers = [each["label"] for each in data["receivers"]]
+        return packed[case, names.index(approach), 0, receivers.index(receiver), band] / 100
 
 
 def made(directory):
@@ -54,21 +67,37 @@ def made(directory):
     return (directory / "report.html").read_text(encoding="utf-8")
 
 
-def test_the_report_stands_alone(study, every_figure):
-    page = Page(made(study.write(lines=20)))
+def test_the_report_stands_alone(study):
+    text = made(study.write(lines=20))
+    page = Page(text)
     assert page.open == []
     links = [
         value for _, attributes in page.tags for name, value in attributes.items() if name in ("src", "href")
     ]
-    assert all(link.startswith("data:") for link in links)
-    assert {tag for tag, _ in page.tags} & {"script", "iframe", "object"} == set()
-    assert all(attributes["alt"] for tag, attributes in page.tags if tag == "img")
+    assert links == ["data:,", "#figures"]
+    assert {tag for tag, _ in page.tags} & {"iframe", "object", "img"} == set()
+    assert "default-src 'none'" in text
+    assert text.count("plotly.js v") == 1
+
+
+def test_the_figures_have_every_level_of_the_database(study):
+    directory = study.write(lines=20)
+    page = Page(made(directory))
+    with database.connect(directory) as connection:
+        rows = connection.execute(
+            "SELECT soil, approach, round(log10(band_hz) * 10)::INTEGER, level_db FROM levels "
+            "WHERE receiver = 'ground' AND offset_m = 8 AND contribution = 'dynamic'"
+        ).fetchall()
+    assert len(rows) == 2 * 3 * 21
+    for soil, approach, band, level in rows:
+        case = ["horstwalde", "greby"].index(soil)
+        assert page.level(case, approach, "ground at 8 m", band) == pytest.approx(level, abs=0.0051)
 
 
 def test_the_report_has_summary_tables_and_provenance(study):
     words = " ".join(Page(made(study.write(lines=20))).words)
     for expected in (
-        "moving-roughness differs from full by 1.0 dB on average",
+        "Moving roughness is 1.0 dB from the full model on average",
         "Error of moving-roughness-uncorrelated against full",
         "Cost per case",
         "run-1",
@@ -87,13 +116,18 @@ def test_a_changed_row_changes_the_report(study):
             "UPDATE bands SET mean_square = mean_square * 1e-5 WHERE approach = 'moving-roughness' "
             "AND receiver = 'rail' AND contribution = 'dynamic' AND band_hz > 99"
         )
-    assert "-49.0" in made(directory)
+    text = made(directory)
+    assert "-49.0" in text
+    page = Page(text)
+    assert page.level(0, "moving-roughness", "rail", 20) == pytest.approx(60 - 10 - 10 + 1 - 50, abs=0.0051)
 
 
 def test_names_are_text(study):
     soil, name = "<script>alert(1)</script>", '"><img src=x onerror=alert(1)>'
     page = Page(made(study.write(soils=(soil, "'; DROP TABLE cases; --"), name=name, lines=20)))
-    assert "script" not in {tag for tag, _ in page.tags}
+    assert [attributes for tag, attributes in page.tags if tag == "img"] == []
+    assert len(page.scripts) == 6
+    assert page.data["axes"]["soil"] == [soil, "'; DROP TABLE cases; --"]
     assert not any("onerror" in attributes for _, attributes in page.tags)
     words = " ".join(page.words)
     assert soil in words
@@ -183,3 +217,46 @@ def test_a_manifest_without_history_is_enough(study):
     directory = study.write(lines=20)
     shutil.rmtree(directory / records.RECORDS / "runs")
     assert "run-1" in made(directory)
+
+
+def test_a_case_without_reference_has_levels_and_no_error(study):
+    page = Page(made(study.write(lost=("full",), lines=20)))
+    words = " ".join(page.words)
+    assert "Moving roughness cannot be compared with the full model: no case has results of both." in words
+    assert page.level(0, "moving-roughness", "rail", 0) == pytest.approx(60 - 10 - 0.1 + 1, abs=0.0051)
+    assert page.level(0, "full", "rail", 0) == -327.68
+
+
+@pytest.mark.parametrize(("share", "bins"), [(10_000_000, 0), (50_000, 347)])
+def test_thinned_lines_keep_the_extremes_and_it_is_said(study, monkeypatch, share, bins):
+    monkeypatch.setattr(page_data, "LINES_BYTES", share)
+    monkeypatch.setattr(page_data, "FEW_BINS", 200)
+    directory = study.write(soils=("clay",), lines=2000)
+    page = Page(made(directory))
+    lines = page.data["lines"]
+    assert (lines["bins"], lines["lines"]) == (bins, 2000)
+    assert ("All 2,000 lines" in " ".join(page.words)) == (bins == 0)
+    (spectra,) = lines["spectra"]
+    packed = np.frombuffer(base64.b64decode(spectra["levels"]), dtype="<i2").reshape(
+        len(spectra["places"]), -1
+    )
+    rail = [each["label"] for each in page.data["receivers"]].index("rail")
+    full = [each["name"] for each in page.data["approaches"]].index("full")
+    places = list(zip(spectra["places"], spectra["receivers"], strict=True))
+    own = packed[places.index((full * 3, rail))]
+    own = own[own > -32768] / 100
+    with database.connect(directory) as connection:
+        lowest, highest, count = connection.execute(
+            "SELECT decibel(min(value) * 1e18), decibel(max(value) * 1e18), count(*) FROM psd "
+            "WHERE approach = 'full' AND receiver = 'rail' AND contribution = 'dynamic'"
+        ).fetchone()
+    assert [own.min(), own.max()] == pytest.approx([lowest, highest], abs=0.0051)
+    assert own.size <= (2 * bins or count)
+
+
+def test_a_page_that_would_be_too_large_shows_fewer_cases(study, monkeypatch):
+    monkeypatch.setattr(page_data, "LINES_BYTES", 9000)
+    directory = study.write(soils=("clay",), speeds=(100.0, 150.0, 200.0), lines=300)
+    page = Page(made(directory))
+    assert page.data["lines"]["cases"] == len(page.data["lines"]["spectra"]) == 1
+    assert "1 of 3 cases have one" in " ".join(page.words)
