@@ -19,7 +19,7 @@ from railvib.panels import unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.strip import strip_compliances
 from railvib.track import Track, track_response
-from railvib.transfer import Nodes, Receiver, TransferBlock, TransferFunction
+from railvib.transfer import Nodes, Receiver, TransferBlock, TransferFunction, loaded
 
 MOST_LEVELS = 6
 TIGHTEST, LOOSEST = 1e-6, 1e-2
@@ -267,26 +267,58 @@ def _tables(
             # The peak is the field's: under the track for the ground, however far the receiver.
             under = direct["rail" if receiver == "rail" else 0.0]
             size = np.maximum(np.abs(direct[receiver]), 1e-8 * np.abs(under).max(axis=1, keepdims=True))
-            candidates = []
-            for slowness in slownesses if distance > 0.0 else [0.0]:
-                table = TransferBlock(
-                    **common,
-                    transfer=tabulated[receiver],
-                    receiver="rail" if receiver == "rail" else "ground",
-                    offset=np.nan if receiver == "rail" else float(receiver),
-                    distance=distance,
-                    reference_slowness=slowness,
-                    interpolation_error=np.nan,
-                )
-                _beta, between = TransferFunction([table], samples.track).at(fits.block, f_halfway)
-                error = float((np.abs(between - direct[receiver]) / size).max())
-                candidates.append(replace(table, interpolation_error=error))
-            best = min(candidates, key=lambda each: each.interpolation_error)
+            table = TransferBlock(
+                **common,
+                transfer=tabulated[receiver],
+                receiver="rail" if receiver == "rail" else "ground",
+                offset=np.nan if receiver == "rail" else float(receiver),
+                distance=distance,
+                reference_slowness=0.0,
+                interpolation_error=np.nan,
+            )
+            candidates = slownesses if distance > 0.0 else [0.0]
+            between = _interpolated(table, samples.track, f_halfway, candidates)
+            errors = [float((np.abs(each - direct[receiver]) / size).max()) for each in between]
+            best = replace(
+                table,
+                reference_slowness=candidates[int(np.argmin(errors))],
+                interpolation_error=min(errors),
+            )
             if best.interpolation_error <= tolerance or level == MOST_LEVELS:
                 passed.setdefault(receiver, level)
             if level >= passed.get(receiver, MOST_LEVELS) + beyond:
                 made[receiver] = best
     return made
+
+
+def _interpolated(
+    table: TransferBlock, track: Track, frequency: np.ndarray, slownesses: list[float]
+) -> list[np.ndarray]:
+    """Return what a table gives between its frequencies with each of some reference slownesses."""
+    first, weight = blocks.stencils(table.block, table.level, frequency)
+    rows = np.unique(first[:, None] + np.arange(blocks.STENCIL))
+
+    def between(values: np.ndarray, level: int) -> np.ndarray:
+        return blocks.combined(np.searchsorted(rows, first), weight, values)
+
+    near = replace(
+        table,
+        frequency=table.frequency[rows],
+        wavenumber=table.wavenumber[rows],
+        transfer=table.transfer[rows],
+        compliance=None if table.compliance is None else table.compliance[rows],
+    )
+    beta = table.nodes.wavenumber(frequency)
+    return [
+        loaded(
+            [TransferFunction([replace(near, reference_slowness=slowness)], track)],
+            table.block,
+            frequency,
+            beta,
+            between,
+        )[0]
+        for slowness in slownesses
+    ]
 
 
 def _rational_form(fits: GroundFits, level: int, ks: np.ndarray) -> dict[str, np.ndarray]:

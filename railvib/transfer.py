@@ -285,7 +285,7 @@ class TransferFunction:
             def between(rows: np.ndarray, level: int, place: _Place = place) -> np.ndarray:
                 return np.asarray(_interpolated(*place, np.ascontiguousarray(rows).view(float)))[:, None]
 
-            found = _loaded([self], table.block, f, beta[:, None], between)[0][:, 0]
+            found = loaded([self], table.block, f, beta[:, None], between)[0][:, 0]
             value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)
         return value
 
@@ -339,17 +339,34 @@ def together(functions: Sequence[TransferFunction], block: int, frequency: np.nd
         return blocks.interpolated(block, level, frequency, rows)
 
     beta = functions[0].blocks[block].nodes.wavenumber(frequency)
-    return _loaded(functions, block, frequency, beta, between)
+    return loaded(functions, block, frequency, beta, between)
 
 
-def _loaded(
+def loaded(
     functions: Sequence[TransferFunction],
     block: int,
     frequency: np.ndarray,
     wavenumber: np.ndarray,
     between: Callable[[np.ndarray, int], np.ndarray],
 ) -> np.ndarray:
-    """Return transfer functions (receivers, n, m) at places between which `between` interpolates rows."""
+    """Return transfer functions at places to which `between` interpolates rows of a table.
+
+    Parameters
+    ----------
+    functions
+        Receivers whose tables of the block have the same nodes.
+    block
+        Index of the block.
+    frequency, wavenumber
+        The places: Hz, (n,), and rad/m, (n, m).
+    between
+        Interpolates the rows of an array (frequency, node) of a table of some level to the places.
+
+    Returns
+    -------
+    ndarray of complex, shape (receivers, n, m)
+        m²/N.
+    """
     values = np.empty((len(functions), *wavenumber.shape), complex)
     shared: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
     for value, function in zip(values, functions, strict=True):
