@@ -123,7 +123,7 @@ def _listening(file: Ssh | Queue, security: Security, dashboard: str | None) -> 
         "protocol": "tls://",
         "security": security,
         "dashboard": dashboard is not None,
-        "dashboard_address": dashboard,
+        "dashboard_address": dashboard or f"{LOOPBACK}:0",
     }
 
 
@@ -152,6 +152,8 @@ def job_options(file: Queue, folder: Path, security: Security) -> dict[str, Any]
             "job_extra_directives": {key.strip(): value.strip() for key, value in pairs},
             "disk": "1 GB",
         }
+    if file.kind == "oar":
+        options["memory_per_core_property_name"] = "not_applicable"  # each site has its own: see directives
     options["walltime"] = _walltime(file)
     if file.queue:
         options["queue"] = file.queue
@@ -203,7 +205,12 @@ def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[S
         }
     ):
         try:
-            made = SpecCluster(workers, {"cls": Scheduler, "options": listening}, security=security)
+            made = SpecCluster(
+                workers,
+                {"cls": Scheduler, "options": listening},
+                security=security,
+                silence_logs=logging.CRITICAL,
+            )
         except (OSError, asyncssh.Error) as error:
             raise InputError(f"hosts: {', '.join(file.hosts)}: no workers by SSH: {error}") from None
     with made:
