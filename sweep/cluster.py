@@ -7,6 +7,7 @@ the loopback address only.
 import importlib
 import logging
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
@@ -78,6 +79,15 @@ def _outcome(key: str, future: Future[Any], result: Any) -> Outcome | None:
     return Outcome(key, "failed", error=f"{type(error).__name__}: {error}".partition("\n")[0])
 
 
+def serving(dashboard: str | None) -> dict[str, Any]:
+    """Return the options by which a cluster of Dask's serves its dashboard at HOST:PORT, or none."""
+    # Without an address the scheduler would take a well-known port for what it tells of its health.
+    return {
+        "dashboard_address": dashboard or "127.0.0.1:0",
+        "scheduler_kwargs": {"dashboard": dashboard is not None},
+    }
+
+
 @contextmanager
 def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers]:
     """Start workers on this machine, warmed up, and stop them at the end whatever happens.
@@ -98,12 +108,14 @@ def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address="127.0.0.1:0" if dashboard else None,
+            **serving("127.0.0.1:0" if dashboard else None),
             memory_limit=0,  # the plan states the memory; pausing workers would only hide that it is wrong
             silence_logs=logging.CRITICAL,
         ) as cluster,
         Client(cluster) as client,
     ):
+        if dashboard:
+            print(f"dashboard at {cluster.dashboard_link}", file=sys.stderr)
         warm_up(client, kinds)
         yield Workers(client)
         with suppress(

@@ -23,7 +23,8 @@ from railvib.errors import InputError
 from sweep import cluster, drain, tls
 from sweep.cluster_file import LOOPBACK, ClusterFile, Local, Queue, Ssh
 
-ADAPT_INTERVAL = "2s"
+SCALING = {"interval": "1s", "target_duration": "1s"}
+"""How often the number of workers is considered, and the work per worker that is worth another one."""
 FOLDER = "cluster"
 """Of a results directory: what the jobs print, and while they run their certificate."""
 SYSTEMS: dict[str, type[dask_jobqueue.JobQueueCluster]] = {
@@ -90,7 +91,7 @@ def crew(
             most = len(file.hosts) * file.workers_per_host
         else:
             most = min(file.maximum_workers, max(tasks, file.minimum_workers))
-            dask_cluster.adapt(minimum=file.minimum_workers, maximum=most, interval=ADAPT_INTERVAL)
+            dask_cluster.adapt(minimum=file.minimum_workers, maximum=most, **SCALING)
         client = stack.enter_context(Client(dask_cluster))
         if served:
             print(f"dashboard at {dask_cluster.dashboard_link}", file=sys.stderr)
@@ -109,7 +110,7 @@ def _local(file: Local, dashboard: str | None) -> LocalCluster:
         threads_per_worker=1,
         host=file.host or LOOPBACK,
         interface=file.interface,
-        dashboard_address=dashboard,
+        **cluster.serving(dashboard),
         memory_limit=0,
         silence_logs=logging.CRITICAL,
     )
@@ -193,7 +194,7 @@ def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[S
         }
         for host in file.hosts
     }
-    # The workers get their settings from ours, and tell in their log that they have started.
+    # The workers get their settings from ours; that they have started Dask learns from what they log.
     files = security.get_tls_config_for_role("worker")
     with dask.config.set(
         {
