@@ -37,7 +37,15 @@ def computing(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in (
         click.option("--dashboard", is_flag=True, help="Serve Dask's dashboard on the loopback address."),
         click.option(
-            "--scheduler", metavar="ADDRESS", help="Use the workers of a Dask scheduler, tcp://HOST:PORT."
+            "--cluster", type=STUDY, metavar="FILE", help="Start workers where FILE says: by SSH, or as jobs."
+        ),
+        click.option("--tls-key", metavar="FILE", help="Private key, if not in the file of --tls-cert."),
+        click.option("--tls-cert", metavar="FILE", help="Our certificate for a scheduler at tls://…"),
+        click.option("--tls-ca", metavar="FILE", help="Whose certificates to trust at tls://…"),
+        click.option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Use the workers of a Dask scheduler, tcp://HOST:PORT or tls://HOST:PORT.",
         ),
         click.option(
             "--workers",
@@ -132,9 +140,12 @@ def _run(
     from sweep.launch import Launch
     from sweep.run import FAILED, INTERRUPTED, execute, prepare
 
+    launched = Launch(**launch)
     request = prepare(resolved, directory, store)
     if request.plan.tasks:
         _check_plausibility(request)
+    if request.plan.tasks or mend:
+        launched.check(directory, request.store)
     try:
         with lock.held(directory) as dead, _stoppable():
             if dead:
@@ -147,7 +158,7 @@ def _run(
                 request = request.resting_on(failures)
             tasks, cases = len(request.plan.tasks), len(request.cases)
             click.echo(f"{cases} cases, {len(request.plan.units)} units, {tasks} tasks to run", err=True)
-            exit_status = execute(request, directory, Launch(**launch))
+            exit_status = execute(request, directory, launched)
             for hook in metadata.entry_points(group=AFTER_RUN):
                 hook.load()(directory)
     except KeyboardInterrupt:

@@ -1,12 +1,13 @@
-"""Dask workers as the engine's crew: a cluster of this machine, or one that is running already.
+"""Dask workers as the engine's crew: processes of this machine, or a cluster that is running already.
 
-Workers are processes of one thread, so that a crash takes one task with it. Everything that railvib starts
-itself listens on the loopback address only.
+Workers are processes of one thread, so that a crash takes one task with it. What is started here listens on
+the loopback address only.
 """
 
 import importlib
 import logging
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
@@ -14,18 +15,19 @@ from typing import Any
 import dask
 from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin, as_completed
 from distributed.client import FutureCancelledError
+from distributed.security import Security
 
 from sweep.plan import Task
 from sweep.task import Outcome, Place, execute
 
-ENVIRONMENT = {
+THREADS = {
     "NUMBA_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
-    "DASK_LOGGING__DISTRIBUTED": "critical",  # what matters comes back as an outcome
 }
-"""Of worker processes; numba, BLAS and Dask read it when they are imported."""
+"""Environment of worker processes; numba and BLAS read it when they are imported."""
+ENVIRONMENT = {**THREADS, "DASK_LOGGING__DISTRIBUTED": "critical"}  # what matters comes back as an outcome
 
 SETTINGS: dict[str, Any] = {
     "distributed.scheduler.worker-saturation": 1.0,  # what a dying worker holds is suspect: hold one task
@@ -39,18 +41,19 @@ SETTINGS: dict[str, Any] = {
 
 
 class Workers:
-    """The workers of a scheduler, through a client."""
+    """The workers of a scheduler, through a client; `most` is how many there may be when all have come."""
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: Client, most: int = 1) -> None:
         self._client = client
+        self._most = most
         self._futures: dict[str, str] = {}
         self._completed = as_completed(loop=client.loop, with_results=True, raise_errors=False)
 
     @property
     def size(self) -> int:
-        """How many tasks can run at once; at least one, since workers may be on their way."""
+        """How many tasks can run at once, also by workers that are still on their way."""
         threads: dict[str, int] = self._client.nthreads()
-        return max(1, sum(threads.values()))
+        return max(self._most, sum(threads.values()))
 
     def submit(self, task: Task, place: Place) -> None:
         """Hand a task out; a later attempt has a key of its own, as Dask remembers why a key died."""
@@ -76,6 +79,15 @@ def _outcome(key: str, future: Future[Any], result: Any) -> Outcome | None:
     return Outcome(key, "failed", error=f"{type(error).__name__}: {error}".partition("\n")[0])
 
 
+def serving(dashboard: str | None) -> dict[str, Any]:
+    """Return the options by which a cluster of Dask's serves its dashboard at HOST:PORT, or none."""
+    # Without an address the scheduler would take a well-known port for what it tells of its health.
+    return {
+        "dashboard_address": dashboard or "127.0.0.1:0",
+        "scheduler_kwargs": {"dashboard": dashboard is not None},
+    }
+
+
 @contextmanager
 def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers]:
     """Start workers on this machine, warmed up, and stop them at the end whatever happens.
@@ -96,12 +108,14 @@ def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address="127.0.0.1:0" if dashboard else None,
+            **serving("127.0.0.1:0" if dashboard else None),
             memory_limit=0,  # the plan states the memory; pausing workers would only hide that it is wrong
             silence_logs=logging.CRITICAL,
         ) as cluster,
         Client(cluster) as client,
     ):
+        if dashboard:
+            print(f"dashboard at {cluster.dashboard_link}", file=sys.stderr)
         warm_up(client, kinds)
         yield Workers(client)
         with suppress(
@@ -111,10 +125,10 @@ def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers
 
 
 @contextmanager
-def remote(address: str, kinds: str) -> Iterator[Workers]:
+def remote(address: str, security: Security | None, kinds: str) -> Iterator[Workers]:
     """Use the workers of a scheduler that is running."""
-    with dask.config.set(SETTINGS), Client(address) as client:
-        client.wait_for_workers(1, timeout=60)
+    with dask.config.set(SETTINGS), Client(address, security=security) as client:
+        client.wait_for_workers(1)
         warm_up(client, kinds)
         yield Workers(client)
 

@@ -3,9 +3,16 @@
 import os
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from railvib.errors import InputError
+
 if TYPE_CHECKING:
+    from distributed.security import Security
+
+    from sweep.cluster_file import ClusterFile
     from sweep.engine import Crew
 
 
@@ -19,30 +26,105 @@ class Launch:
         Processes to start on this machine, by default one per processor; 0 computes in this process.
     scheduler
         Address of a Dask scheduler to use instead.
+    tls_ca, tls_cert, tls_key
+        Files of certificates for it.
+    cluster
+        File that says where to start workers instead.
     dashboard
-        Whether workers started here show Dask's dashboard.
+        Whether a scheduler started here shows Dask's dashboard.
+
+    Raises
+    ------
+    InputError
+        If these exclude each other, or are wrong in themselves.
     """
 
     workers: int | None = None
     scheduler: str | None = None
+    tls_ca: str | None = None
+    tls_cert: str | None = None
+    tls_key: str | None = None
+    cluster: Path | None = None
     dashboard: bool = False
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without asking anybody."""
+        given = [
+            f"--{name}" for name in ("workers", "scheduler", "cluster") if getattr(self, name) is not None
+        ]
+        if len(given) > 1:
+            raise InputError(f"{' and '.join(given)}: exclude each other")
+        for name in ("tls_ca", "tls_cert", "tls_key"):
+            if getattr(self, name) is not None and self.scheduler is None:
+                raise InputError(f"--{name.replace('_', '-')}: is for --scheduler tls://HOST:PORT")
+        if self.dashboard and self.scheduler is not None:
+            raise InputError("--dashboard: a scheduler that is running has its own")
+        _ = self.file  # a wrong one is told whether or not it is needed
 
     @property
     def processes(self) -> int:
         """How many processes to start on this machine."""
         return (os.cpu_count() or 1) if self.workers is None else self.workers
 
-    def crew(self, tasks: int, kinds: str) -> "AbstractContextManager[Crew]":
-        """Return who computes so many tasks with the kinds of a module.
+    @cached_property
+    def file(self) -> "ClusterFile | None":
+        """What the cluster file says."""
+        if self.cluster is None:
+            return None
+        from sweep import cluster_file
+
+        return cluster_file.load(self.cluster)
+
+    @cached_property
+    def security(self) -> "Security | None":
+        """The certificates for a scheduler that asks for some."""
+        if self.scheduler is None or not self.scheduler.startswith("tls://"):
+            return None
+        from sweep import tls
+
+        certificates = tls.Certificates(self.tls_ca, self.tls_cert, self.tls_key)
+        certificates.check()
+        return certificates.security()
+
+    def check(self, directory: Path, store: str | None) -> None:
+        """Ask whoever is to compute whether they can, before anything is written.
+
+        Parameters
+        ----------
+        directory
+            Where results will go.
+        store
+            Path or address of a store outside, if there is one.
+
+        Raises
+        ------
+        InputError
+            If they cannot, with the reason.
+        """
+        if self.scheduler is not None:
+            from sweep import reach
+
+            reach.check(self.scheduler, self.security, directory, store)
+        if self.file is not None:
+            from sweep import jobs
+
+            jobs.check(self.file)
+
+    def crew(self, tasks: int, kinds: str, directory: Path) -> "AbstractContextManager[Crew]":
+        """Return who computes so many tasks with the kinds of a module for a results directory.
 
         Workers that are started for it are stopped at the end, whatever happens.
         """
         from sweep import engine
 
-        if self.scheduler is None and self.processes == 0:
+        if self.scheduler is None and self.file is None and self.processes == 0:
             return nullcontext(engine.ThisProcess())
         from sweep import cluster
 
         if self.scheduler is not None:
-            return cluster.remote(self.scheduler, kinds)
+            return cluster.remote(self.scheduler, self.security, kinds)
+        if self.file is not None:
+            from sweep import jobs
+
+            return jobs.crew(self.file, directory, tasks, kinds, self.dashboard)
         return cluster.local(min(self.processes, tasks), kinds, self.dashboard)

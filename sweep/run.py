@@ -183,7 +183,7 @@ def _compute(request: Request, directory: Path, run_id: str, launch: Launch) -> 
         place = Place(str(directory.resolve()), run_id, units.__name__, store=request.store)
         asked = {unit.id for task in tasks.values() for unit in task.units}
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
-        with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__) as crew:
+        with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__, directory) as crew:
 
             def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
                 display.update(task, outcome, tally)

@@ -4,27 +4,24 @@ Fields whose metadata name their dimensions are arrays, `field(metadata={"dims":
 "unit": "m/N", "description": "..."})`; all others, and arrays of text, go to the group's attributes. With
 "called_by" an array takes its name from another field: H of the rail is stored as `rail`. A group is encoded
 in memory and named after its content, and never changes. An array is one chunk or is cut along its first
-dimension by this module alone: no caller can write part of a chunk.
+dimension in `sweep.zarr_form` alone: no caller can write part of a chunk.
 """
 
 import dataclasses
 import hashlib
 import json
 import math
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import zarr
 from numpy.typing import NDArray
-from zarr.codecs import Crc32cCodec
-from zarr.core.buffer import default_buffer_prototype
-from zarr.errors import ZarrUserWarning
-from zarr.storage import MemoryStore
 
-from sweep import location, records
+from sweep import location, records, zarr_form
+
+if TYPE_CHECKING:
+    import zarr
 
 STORE = "transfer_functions.zarr"
 CHUNK_BYTES = 64 * 2**20
@@ -73,7 +70,7 @@ def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, A
         If an array does not have the dimensions that its field declares, or an attribute cannot be stored.
     """
     arrays, extra = _split(result)
-    objects = _encode(arrays, {**attributes, **extra})
+    objects = zarr_form.encode(arrays, {**attributes, **extra}, CHUNK_BYTES)
     checksums, metadata = {name: checksum(array) for name, (array, _) in arrays.items()}, _metadata(objects)
     content = json.dumps([checksums, metadata], sort_keys=True)
     group = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
@@ -135,6 +132,8 @@ def check(directory: Path | str, record: Mapping[str, Any]) -> None:
 
 def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":
     """Return one array of a group that a run rests on, to be read in parts."""
+    import zarr
+
     place = location.at(_home(directory, group))
     return zarr.open_array(place.zarr(f"{STORE}/{group}/{name}"), mode="r")
 
@@ -196,48 +195,6 @@ def _split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]
     return arrays, attributes
 
 
-def _encode(
-    arrays: Mapping[str, tuple[NDArray[Any], Mapping[str, Any]]], attributes: Mapping[str, Any]
-) -> dict[str, memoryview]:
-    """Encode a group in memory, which is several times faster than in files; return objects by key."""
-    memory = MemoryStore()
-    group = zarr.create_group(memory, zarr_format=3, attributes=dict(attributes))
-    for name, (array, metadata) in arrays.items():
-        group.create_array(
-            name,
-            data=array,
-            chunks=_chunks(array),
-            compressors=[
-                Crc32cCodec()
-            ],  # complex fields do not compress; the checksum shows a torn chunk to any reader
-            fill_value=_fill(array.dtype),
-            dimension_names=metadata["dims"],
-            attributes={"units": metadata.get("unit", "1"), "long_name": metadata.get("description", name)},
-            config={"write_empty_chunks": True},
-        )
-    with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore", ZarrUserWarning
-        )  # consolidated metadata are an extension; xarray looks for them
-        zarr.consolidate_metadata(memory)
-    return {key: value.as_numpy_array().data for key, value in memory._store_dict.items()}
-
-
-def _chunks(array: NDArray[Any]) -> tuple[int, ...]:
-    """Return the chunk shape: the whole array, or whole rows of it where it is larger than CHUNK_BYTES."""
-    if array.nbytes <= CHUNK_BYTES:
-        return tuple(max(size, 1) for size in array.shape)
-    rows = max(1, CHUNK_BYTES // (array.nbytes // array.shape[0]))
-    return (rows, *array.shape[1:])
-
-
-def _fill(dtype: np.dtype[Any]) -> Any:
-    """Return what a reader sees where a chunk is missing: NaN, or zero for integers, which have none."""
-    if dtype.kind == "c":
-        return complex(np.nan, np.nan)
-    return np.nan if dtype.kind == "f" else 0
-
-
 def _load(
     home: records.Home,
     group: str,
@@ -245,16 +202,12 @@ def _load(
     metadata: str | None = None,
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Read a whole group through memory, and compare it with the checksums that its record expects."""
-    prototype = default_buffer_prototype()
     objects = location.at(home).read_group(f"{STORE}/{group}")
     if metadata is not None and _metadata(objects) != metadata:
         raise DamagedError(f"{group}: is missing, or its metadata are not those recorded")
     try:
-        buffers = {key: prototype.buffer.from_bytes(content) for key, content in objects.items()}
-        node = zarr.open_group(MemoryStore(buffers), mode="r")
-        found = {name: np.asarray(array[...]) for name, array in node.arrays()}
-        attributes = dict(node.attrs)
-    except Exception as error:  # a decoder may raise anything on bytes that are not its own
+        found, attributes = zarr_form.decode(objects)
+    except (ValueError, KeyError, TypeError) as error:
         raise DamagedError(f"{group}: {type(error).__name__}: {error}") from error
     if expected is not None:
         for name in expected.keys() | found.keys():

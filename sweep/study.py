@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError, model_validator
 
@@ -43,7 +43,7 @@ MESSAGES = {
     "string_pattern_mismatch": "may consist of letters, digits and _ . + - only",
 }
 """Of those faults whose general wording speaks of Python."""
-UNITS = {"hz": "Hz", "m": "m", "kmh": "km/h"}
+UNITS = {"hz": "Hz", "m": "m", "kmh": "km/h", "minutes": "min", "gb": "GB"}
 AXES: tuple[library.Kind, ...] = ("soil", "track", "train", "unevenness")
 MODELS: dict[str, type[BaseModel]] = {
     "soil": Ground,
@@ -52,6 +52,8 @@ MODELS: dict[str, type[BaseModel]] = {
     "vehicle": Vehicle,
 }
 """What inline tables hold; a train's are groups of vehicles, which the library reads."""
+
+Model = TypeVar("Model", bound=BaseModel)
 
 Number = Annotated[float, Strict()]
 NonNegative = Annotated[float, Strict(), Field(ge=0.0)]
@@ -271,13 +273,7 @@ def load(path: Path) -> Resolved:
         With one line that names the key, its value and what is allowed; the first fault found is the one
         told.
     """
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: is not valid TOML: {error}") from None
-    return resolve(data)
+    return resolve(read_toml(path))
 
 
 def resolve(data: Mapping[str, Any]) -> Resolved:
@@ -288,11 +284,7 @@ def resolve(data: Mapping[str, Any]) -> Resolved:
     InputError
         As for `load`.
     """
-    check_keys(Study, data, "")
-    try:
-        study = Study.model_validate(data)
-    except ValidationError as error:
-        raise InputError(_describe(error)) from None
+    study = validated(Study, data)
     definitions: dict[str, Mapping[str, Any]] = {kind: getattr(study, kind) for kind in library.KINDS}
     for kind in library.KINDS:
         for name, table in definitions[kind].items():
@@ -306,6 +298,37 @@ def resolve(data: Mapping[str, Any]) -> Resolved:
             except InputError as error:
                 raise InputError(f"sweep.{error}") from None
     return Resolved(study, objects)
+
+
+def validated(model: type[Model], data: Mapping[str, Any]) -> Model:
+    """Return the tables of a file as a model.
+
+    Raises
+    ------
+    InputError
+        With one line on the first fault found.
+    """
+    check_keys(model, data, "")
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise InputError(_describe(error)) from None
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the tables of a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is not valid.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: is not valid TOML: {error}") from None
 
 
 def check_keys(model: type[BaseModel], data: Any, where: str) -> None:
@@ -370,7 +393,7 @@ def _describe(error: ValidationError) -> str:
         return f"{key}: is missing"
     cause = fault.get("ctx", {}).get("error")
     if isinstance(cause, InputError) and str(cause).startswith("."):
-        return key + str(cause)
+        return (key + str(cause)).lstrip(".")
     message = MESSAGES.get(fault["type"]) or fault["msg"].removeprefix("Value error, ").replace(
         "Input should", "should"
     )

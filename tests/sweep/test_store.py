@@ -141,7 +141,7 @@ def test_altered_attributes_are_found_against_the_record(tmp_path, spectrum):
     record = {"group": written.group, "arrays": written.arrays, "metadata": written.metadata}
     store.check(tmp_path, record)
     path = tmp_path / store.STORE / written.group / "zarr.json"
-    path.write_text(path.read_text().replace('"level": 2', '"level": 3'))
+    path.write_text(path.read_text().replace('"level":2', '"level":3'))
     assert read(tmp_path, written).level == 3
     with pytest.raises(store.DamagedError, match="metadata"):
         store.check(tmp_path, record)

@@ -1,0 +1,76 @@
+"""Certificates of the way between driver, scheduler and workers: a user's own, or made for one run."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from distributed.security import Security
+
+from railvib.errors import InputError
+
+ROLES = ("scheduler", "worker", "client")
+
+
+@dataclass(frozen=True)
+class Certificates:
+    """Files in PEM form: who is trusted, and who we are.
+
+    Attributes
+    ----------
+    ca
+        Certificates of the authorities whose word counts.
+    cert
+        Our certificate.
+    key
+        Its private key, if it is not in the same file.
+    """
+
+    ca: str | None = None
+    cert: str | None = None
+    key: str | None = None
+
+    def check(self) -> None:
+        """Check that all is there that a connection needs.
+
+        Raises
+        ------
+        InputError
+            If not.
+        """
+        for option, path in (("--tls-ca", self.ca), ("--tls-cert", self.cert), ("--tls-key", self.key)):
+            if path is None and option != "--tls-key":
+                raise InputError(
+                    f"{option}: is missing; a scheduler at tls://… asks for --tls-ca and --tls-cert"
+                )
+            if path is not None and not os.access(path, os.R_OK):
+                raise InputError(f"{option} = {path!r}: cannot be read")
+
+    def security(self) -> Security:
+        """Return what Dask asks for; connections without encryption are refused."""
+        return Security(
+            require_encryption=True,
+            tls_ca_file=self.ca,
+            tls_client_cert=self.cert,
+            tls_client_key=self.key or self.cert,
+        )
+
+
+@contextmanager
+def temporary(folder: Path) -> Iterator[Security]:
+    """Make a certificate for one run; its files, for nobody else to read, are removed at the end."""
+    made = Security.temporary()
+    cert, key = folder / "certificate.pem", folder / "key.pem"
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        for path, content in ((cert, made.tls_ca_file), (key, made.tls_client_key)):
+            path.unlink(missing_ok=True)
+            with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+                file.write(content)
+        files = {f"tls_{role}_cert": str(cert.resolve()) for role in ROLES}
+        files |= {f"tls_{role}_key": str(key.resolve()) for role in ROLES}
+        yield Security(require_encryption=True, tls_ca_file=str(cert.resolve()), **files)
+    finally:
+        cert.unlink(missing_ok=True)
+        key.unlink(missing_ok=True)

@@ -1,0 +1,155 @@
+"""The bytes of a Zarr group (version 3) of small arrays, each in chunks of whole rows without compression.
+
+Every object of a group is made and read here in one go, from and to memory. The zarr library goes through an
+event loop for each of them, which for groups of a few hundred kilobytes takes ten times as long as all else
+that a task does to store its results; it is what other readers open the groups with, and what the tests hold
+this form to.
+"""
+
+import json
+from collections.abc import Mapping
+from math import ceil
+from typing import Any
+
+import google_crc32c
+import numpy as np
+from numpy.typing import NDArray
+
+_CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "crc32c"}]
+"""Complex fields do not compress; the checksum shows a torn chunk to any reader."""
+_CRC_BYTES = 4
+
+Arrays = Mapping[str, tuple[NDArray[Any], Mapping[str, Any]]]
+"""Arrays by name, each with its metadata: `dims`, and `unit` and `description` if it has them."""
+
+
+def encode(arrays: Arrays, attributes: Mapping[str, Any], chunk_bytes: int) -> dict[str, bytes]:
+    """Return the objects of a group by key.
+
+    Parameters
+    ----------
+    arrays
+        The arrays with their metadata.
+    attributes
+        Of the group, as JSON can hold them.
+    chunk_bytes
+        Size from which an array is cut along its first dimension.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an attribute cannot be stored.
+    """
+    said = {name: _array_metadata(name, *each, chunk_bytes) for name, each in arrays.items()}
+    objects = {
+        "zarr.json": _json(
+            {
+                "zarr_format": 3,
+                "node_type": "group",
+                "attributes": dict(attributes),
+                # An extension of the format, for which xarray looks.
+                "consolidated_metadata": {"kind": "inline", "must_understand": False, "metadata": said},
+            }
+        )
+    }
+    for name, (array, _) in arrays.items():
+        objects[f"{name}/zarr.json"] = _json(said[name])
+        rows = said[name]["chunk_grid"]["configuration"]["chunk_shape"]
+        for key, chunk in _chunks(array, rows[0] if rows else 0):
+            content = np.ascontiguousarray(chunk, chunk.dtype.newbyteorder("<")).tobytes()
+            objects[f"{name}/{key}"] = content + google_crc32c.value(content).to_bytes(_CRC_BYTES, "little")
+    return objects
+
+
+def decode(objects: Mapping[str, bytes]) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Return the arrays and the attributes of a group from its objects.
+
+    Raises
+    ------
+    ValueError, KeyError, TypeError
+        If an object is missing, torn, or not in the form that `encode` gives it.
+    """
+    group = json.loads(objects["zarr.json"])
+    names = [key.removesuffix("/zarr.json") for key in objects if key.endswith("/zarr.json")]
+    return {name: _array(name, objects) for name in names}, group["attributes"]
+
+
+def _array_metadata(
+    name: str, array: NDArray[Any], metadata: Mapping[str, Any], chunk_bytes: int
+) -> dict[str, Any]:
+    return {
+        "zarr_format": 3,
+        "node_type": "array",
+        "shape": list(array.shape),
+        "data_type": array.dtype.name,
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": _chunk_shape(array, chunk_bytes)}},
+        "chunk_key_encoding": {"name": "default", "configuration": {"separator": "/"}},
+        "fill_value": _fill(array.dtype),
+        "codecs": _CODECS,
+        "attributes": {
+            "units": metadata.get("unit", "1"),
+            "long_name": metadata.get("description", name),
+        },
+        "dimension_names": list(metadata["dims"]),
+        "storage_transformers": [],
+    }
+
+
+def _chunk_shape(array: NDArray[Any], chunk_bytes: int) -> list[int]:
+    """Return the chunk shape: the whole array, or whole rows of it where it is larger."""
+    shape = [max(size, 1) for size in array.shape]
+    if array.nbytes > chunk_bytes and shape:
+        shape[0] = max(1, chunk_bytes // (array.nbytes // array.shape[0]))
+    return shape
+
+
+def _fill(dtype: np.dtype[Any]) -> Any:
+    """Return what a reader sees where a chunk is missing: NaN, or zero where there is none."""
+    return {"c": ["NaN", "NaN"], "f": "NaN", "b": False}.get(dtype.kind, 0)
+
+
+def _chunks(array: NDArray[Any], rows: int) -> list[tuple[str, NDArray[Any]]]:
+    """Return key and content of every chunk; a last one that is not full is filled up, as the format says."""
+    if array.ndim == 0:
+        return [("c", array)]
+    if array.size == 0:
+        return []
+    beside = "/0" * (array.ndim - 1)
+    chunks = []
+    for number in range(ceil(array.shape[0] / rows)):
+        chunk = array[number * rows : (number + 1) * rows]
+        if len(chunk) < rows:
+            chunk = np.concatenate([chunk, np.zeros((rows - len(chunk), *array.shape[1:]), array.dtype)])
+        chunks.append((f"c/{number}{beside}", chunk))
+    return chunks
+
+
+def _array(name: str, objects: Mapping[str, bytes]) -> NDArray[Any]:
+    """Return one array from its chunks."""
+    said = json.loads(objects[f"{name}/zarr.json"])
+    if said["codecs"] != _CODECS:
+        raise ValueError(f"{name}: is encoded in another way")
+    shape, dtype = tuple(said["shape"]), np.dtype(said["data_type"]).newbyteorder("<")
+    chunk_shape = said["chunk_grid"]["configuration"]["chunk_shape"]
+    if 0 in shape:
+        return np.empty(shape, dtype)
+    number = ceil(shape[0] / chunk_shape[0]) if shape else 1
+    keys = [f"c/{index}{'/0' * (len(shape) - 1)}" for index in range(number)] if shape else ["c"]
+    parts = [_verified(f"{name}/{key}", objects) for key in keys]
+    content = parts[0] if number == 1 else np.concatenate(parts)
+    array = np.frombuffer(content, dtype).reshape((-1, *chunk_shape[1:]) if shape else ())
+    # A copy, for arrays that cannot be written to are another type to compiled kernels.
+    return (array[: shape[0]] if shape else array).astype(dtype.newbyteorder("="))
+
+
+def _verified(key: str, objects: Mapping[str, bytes]) -> NDArray[np.uint8]:
+    """Return the bytes of a chunk without its checksum, after a look at that."""
+    content = np.frombuffer(objects[key], np.uint8)
+    chunk, stored = content[:-_CRC_BYTES], content[-_CRC_BYTES:].tobytes()
+    if google_crc32c.value(chunk).to_bytes(_CRC_BYTES, "little") != stored:
+        raise ValueError(f"{key}: is torn or altered")
+    return chunk
+
+
+def _json(value: Any) -> bytes:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()

@@ -1,0 +1,150 @@
+"""A scheduler and workers that are there already, joined through `--scheduler`, in the clear and over TLS."""
+
+import contextlib
+import json
+import os
+import socket
+import ssl
+import subprocess
+import sys
+import time
+
+import pytest
+import trustme
+
+from sweep import records
+from tests.sweep.small import STUDY, invoke
+
+DASK = [sys.executable, "-m", "dask"]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Return an empty directory to work in, where railvib publishes nothing after a run."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
+    return tmp_path
+
+
+@contextlib.contextmanager
+def started(folder, *tls, workers=2, threads=1):
+    """Start `dask scheduler` and some `dask worker` as processes; return the scheduler's address."""
+    told = folder / "scheduler.json"
+    protocol = ["--protocol", "tls"] if tls else []
+    commands = [
+        [*DASK, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", *protocol, *tls],
+        *[
+            [*DASK, "worker", "--nthreads", str(threads), "--no-dashboard", "--host", "127.0.0.1", *tls]
+            for _ in range(workers)
+        ],
+    ]
+    with contextlib.ExitStack() as stack:
+        for number, command in enumerate(commands):
+            log = stack.enter_context((folder / f"{number}.log").open("w"))
+            process = subprocess.Popen(
+                [*command, "--scheduler-file", str(told)], cwd=folder, stdout=log, stderr=log
+            )
+            stack.callback(process.wait)
+            stack.callback(process.terminate)
+            deadline = time.monotonic() + 60.0
+            while not told.exists() and time.monotonic() < deadline:
+                time.sleep(0.05)
+        yield json.loads(told.read_text())["address"]
+
+
+def assert_complete(out, workers):
+    assert "1 of 1 complete" in invoke("status", out).output
+    made = {record["worker"] for record in records.committed(out, "spectra")}
+    assert 1 <= len(made) <= workers
+    assert f"{socket.gethostname()}:{os.getpid()}" not in made
+
+
+def test_a_run_on_a_cluster_that_is_there(here):
+    with started(here) as address:
+        result = invoke("run", "small.toml", "--scheduler", address)
+        assert result.exit_code == 0, result.output
+        assert_complete(here / "runs" / "small", 2)
+        for given, message in [
+            (address.replace("tcp", "tls"), "tls://… asks for --tls-ca and --tls-cert"),
+            ("127.0.0.1", "must be tcp://HOST:PORT or tls://HOST:PORT"),
+            ("tcp://127.0.0.1:9", "cannot be reached: Connection refused"),
+        ]:
+            refused(here, message, "--scheduler", given)
+
+
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory):
+    """Return paths of an authority's certificate, and of certificates by it and by another one."""
+    folder = tmp_path_factory.mktemp("certificates")
+    paths = {}
+    for name in ("ours", "theirs"):
+        authority = trustme.CA()
+        authority.cert_pem.write_to_path(folder / f"{name}.ca.pem")
+        issued = authority.issue_cert("127.0.0.1", "localhost")
+        issued.private_key_and_cert_chain_pem.write_to_path(folder / f"{name}.pem")
+        paths[name] = folder / f"{name}.pem"
+        paths[f"{name} ca"] = folder / f"{name}.ca.pem"
+    return paths
+
+
+def refused(here, message, *options):
+    result = invoke("run", "small.toml", "--out", "refused", *options)
+    assert result.exit_code == 2, result.output
+    assert message in result.output
+    assert result.output.count("\n") == 1
+    assert not (here / "refused").exists()
+
+
+def say_nothing_of_ourselves(address, ca):
+    """Connect without a certificate, and wait for what the scheduler itself says to that."""
+    host, port = address.removeprefix("tls://").split(":")
+    trusting = ssl.create_default_context(cafile=ca)
+    with (
+        socket.create_connection((host, int(port)), 10.0) as plain,
+        trusting.wrap_socket(plain, server_hostname=host) as encrypted,
+    ):
+        encrypted.recv(1)
+
+
+def test_a_run_over_tls_and_clients_that_are_refused(here, computed, certificates):
+    ours, ca = certificates["ours"], certificates["ours ca"]
+    files = ["--tls-ca-file", str(ca), "--tls-cert", str(ours), "--tls-key", str(ours)]
+    with started(here, *files) as address:
+        assert address.startswith("tls://")
+        at = ("--scheduler", address)
+        refused(here, "asks for --tls-ca and --tls-cert", *at)
+        refused(here, "asks for --tls-ca and --tls-cert", *at, "--tls-ca", ca)
+        with pytest.raises(ssl.SSLError, match="certificate required"):
+            say_nothing_of_ourselves(address, ca)
+        trusted = (*at, "--tls-ca", ca, "--tls-cert")
+        refused(here, "it refuses our certificate", *trusted, certificates["theirs"])
+        refused(here, "--tls-cert = 'none.pem': cannot be read", *trusted, "none.pem")
+        other = (*at, "--tls-ca", certificates["theirs ca"], "--tls-cert", ours)
+        refused(here, "its certificate is not signed by --tls-ca", *other)
+        refused(here, "does it listen at tls://…?", "--scheduler", address.replace("tls", "tcp"))
+        # Another unevenness: only the spectra are left to compute.
+        (here / "small.toml").write_text(STUDY.replace("german-low", "german-high"), encoding="utf-8")
+        result = invoke("run", "small.toml", *trusted, ours, "--store", computed / "out")
+        assert result.exit_code == 0, result.output
+        assert_complete(here / "runs" / "small", 2)
+
+
+def test_workers_that_cannot_compute_for_us_are_refused(here):
+    with started(here, workers=1, threads=2) as address:
+        refused(here, "has 2 threads; must be started with --nthreads 1", "--scheduler", address)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            ("--workers", 1, "--scheduler", "tcp://127.0.0.1:1"),
+            "--workers and --scheduler: exclude each other",
+        ),
+        (("--tls-ca", "x"), "--tls-ca: is for --scheduler tls://HOST:PORT"),
+        (("--dashboard", "--scheduler", "tcp://127.0.0.1:1"), "--dashboard: a scheduler that is running"),
+    ],
+)
+def test_options_that_exclude_each_other(here, options, message):
+    refused(here, message, *options)
