@@ -349,15 +349,15 @@ def _add_parts(parts, panel, whole, offset, factor, squared, power, transfer, va
             out[q] += total
 
 
-def quasi_static_spectrum(
-    receiver: TransferFunction, train: Train, speed: float, frequency: np.ndarray
-) -> np.ndarray:
-    """Return the PSD of displacement at a fixed point from the moving axle loads: |S_0(f; 0)|²·2/T.
+def quasi_static_spectra(
+    receivers: Mapping[Receiver, TransferFunction], train: Train, speed: float, frequency: np.ndarray
+) -> dict[Receiver, np.ndarray]:
+    """Return PSDs of displacement at fixed points from the moving axle loads: |S_0(f; 0)|²·2/T.
 
     Parameters
     ----------
-    receiver
-        The receiver's tabulated transfer function.
+    receivers
+        The receivers' tabulated transfer functions.
     train
         The train.
     speed
@@ -367,12 +367,15 @@ def quasi_static_spectrum(
 
     Returns
     -------
-    ndarray, shape (n,)
-        One-sided PSD, m²/Hz.
+    dict of ndarray, shape (n,)
+        One-sided PSDs, m²/Hz.
     """
     kappa = 2.0 * np.pi * frequency / speed
     with cost.stage("quasi-static") as spent:
-        transfer = receiver.along(frequency, kappa)
-        load = np.exp(1j * kappa[:, None] * train.axle_positions) @ train.axle_loads
-        spent.evaluations += frequency.size
-    return np.asarray(np.abs(transfer * load / speed) ** 2 * 2.0 * speed / train.length)
+        load = np.exp(1j * kappa[:, None] * train.axle_positions) @ train.axle_loads / speed
+        psd = {
+            receiver: np.abs(transfer.along(frequency, kappa) * load) ** 2 * 2.0 * speed / train.length
+            for receiver, transfer in receivers.items()
+        }
+        spent.evaluations += frequency.size * len(receivers)
+    return psd

@@ -126,4 +126,16 @@ def products(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
     ndarray of complex, shape (lines, sets, sets)
         Σ_lm P_lp* P_mq times the pair's integral, m³.
     """
-    return np.asarray(force.conj().swapaxes(1, 2) @ (pairs @ force))
+    return np.asarray(force.conj().swapaxes(1, 2) @ _responses(pairs, force))
+
+
+def own_products(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Return ∫ |u_p|² dx of every set of forces alone, (lines, sets), m³: the diagonal of `products`."""
+    return np.asarray(np.einsum("flp,flp->fp", force.conj(), _responses(pairs, force)).real)
+
+
+def _responses(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Return Σ_m pairs_lm P_mp; real integrals are spared the arithmetic of complex ones."""
+    if np.isrealobj(pairs):
+        return np.asarray(pairs @ np.ascontiguousarray(force).view(float)).view(complex)
+    return np.asarray(pairs @ force)

@@ -8,8 +8,8 @@ import numpy as np
 
 from railvib import bands, cost
 from railvib.forces import arrivals, axle_numbers, force_matrices
-from railvib.full_model import excitation, passage_spectra, quasi_static_spectrum
-from railvib.moving_roughness import LineIntegrals, axle_pairs, products
+from railvib.full_model import excitation, passage_spectra, quasi_static_spectra
+from railvib.moving_roughness import LineIntegrals, axle_pairs, own_products, products
 from railvib.receptance import Receptances
 from railvib.train_average import TrainIntegrals
 from railvib.transfer import Receiver, TransferFunction
@@ -165,7 +165,8 @@ def spectra(
         passing = passage_spectra(receivers, excited, train.length, speed, f)
     elif integrals is None:
         raise ValueError("the moving roughness needs line integrals")
-    for receiver, transfer in receivers.items():
+    still = quasi_static_spectra(receivers, train, speed, f)
+    for receiver in receivers:
         displacement: dict[str, np.ndarray] = {}
         if integrals is None or approach == "full":
             displacement["line"] = passing[receiver]
@@ -177,8 +178,7 @@ def spectra(
                 for averaging, each in pairs.items():
                     mean = _mean(approach, each, matrices, phase)
                     displacement[averaging] = mean / train.length * uneven
-        still = quasi_static_spectrum(transfer, train, speed, f)
-        series += _velocities(receiver, f, displacement, still)
+        series += _velocities(receiver, f, displacement, still[receiver])
     with cost.stage("bands"):
         psd = np.array([each.psd for each in series])
         mean_square = bands.band_mean_squares(f, psd, midband)
@@ -228,7 +228,7 @@ def _mean(approach: Approach, pairs: np.ndarray, matrices: np.ndarray, phase: np
     if approach == "moving-roughness":  # Eq. 23: one set of forces, that of all axles together
         product = products(pairs, np.einsum("flp,fp->fl", matrices, phase)[..., None])
         return np.asarray(product[:, 0, 0].real)
-    by_axle = products(pairs, matrices)  # H^p* H^q, each axle's unevenness alone
     if approach == "moving-roughness-uncorrelated":  # Eq. 28
-        return np.asarray(np.einsum("fpp->f", by_axle).real)
+        return np.asarray(own_products(pairs, matrices).sum(axis=1))
+    by_axle = products(pairs, matrices)  # H^p* H^q, each axle's unevenness alone
     return np.asarray(np.einsum("fpq,fp,fq->f", by_axle, phase.conj(), phase, optimize=True).real)  # Eq. 27

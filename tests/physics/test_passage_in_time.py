@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from railvib.forces import arrivals, axle_distances, force_matrices
-from railvib.full_model import excitation, passage_spectra, quasi_static_spectrum
+from railvib.full_model import excitation, passage_spectra, quasi_static_spectra
 from railvib.ground import Ground, Layer
 from railvib.rational_fit import fit_flexibility
 from railvib.receptance import Receptances, receptance_block
@@ -227,5 +227,5 @@ def test_constant_axle_loads(soft, track, single, functions):
     )  # 2.7 to 10 Hz: beyond, the near field of constant loads has died out
     f = FREQUENCY_STEP * row
     expected = 2.0 * np.abs(spectrum_of(u.real)[row]) ** 2 * SPEED / single.length
-    psd = quasi_static_spectrum(functions[OFFSET], single, SPEED, f)
+    psd = quasi_static_spectra(functions, single, SPEED, f)[OFFSET]
     np.testing.assert_allclose(psd, expected, rtol=1e-4)
