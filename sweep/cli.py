@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from sweep.study import Resolved
 
 AFTER_RUN = "railvib.after_run"
+KINDS = "sweep.units"
 VERIFY = "railvib.verify"
 STUDY = click.Path(dir_okay=False, path_type=Path)
 DIRECTORY = click.Path(file_okay=False, path_type=Path)
@@ -138,11 +139,15 @@ def _run(
     """Compute, publish, and leave with the exit status."""
     from sweep import lock, records, space
     from sweep.launch import Launch
-    from sweep.run import FAILED, INTERRUPTED, execute, prepare
 
     launched = Launch(**launch)
+    if not (directory / records.MANIFEST).exists():
+        launched.get_ready(KINDS)  # there will be work: while it is planned here, workers can be prepared
+    from sweep.run import FAILED, INTERRUPTED, execute, prepare
+
     request = prepare(resolved, directory, store)
     if request.plan.tasks:
+        launched.get_ready(KINDS)
         _check_plausibility(request)
     if request.plan.tasks or mend:
         launched.check(directory, request.store)

@@ -17,17 +17,12 @@ from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin
 from distributed.client import FutureCancelledError
 from distributed.security import Security
 
+from sweep import prefork
 from sweep.plan import Task
 from sweep.task import Outcome, Place, execute
 
-THREADS = {
-    "NUMBA_NUM_THREADS": "1",
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-}
-"""Environment of worker processes; numba and BLAS read it when they are imported."""
-ENVIRONMENT = {**THREADS, "DASK_LOGGING__DISTRIBUTED": "critical"}  # what matters comes back as an outcome
+ENVIRONMENT = {**prefork.THREADS, "DASK_LOGGING__DISTRIBUTED": "critical"}
+"""Of worker processes; what matters comes back as an outcome."""
 
 SETTINGS: dict[str, Any] = {
     "distributed.scheduler.worker-saturation": 1.0,  # what a dying worker holds is suspect: hold one task
@@ -101,8 +96,10 @@ def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers
     dashboard
         Whether to serve Dask's dashboard, on the loopback address.
     """
+    prefork.start(kinds)
+    method = {"distributed.worker.multiprocessing-method": "forkserver"} if prefork.POSSIBLE else {}
     with (
-        dask.config.set(SETTINGS),
+        dask.config.set({**SETTINGS, **method}),
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,

@@ -20,7 +20,7 @@ from distributed.deploy import ssh
 from distributed.security import Security
 
 from railvib.errors import InputError
-from sweep import cluster, drain, tls
+from sweep import cluster, drain, prefork, tls
 from sweep.cluster_file import LOOPBACK, ClusterFile, Local, Queue, Ssh
 
 SCALING = {"interval": "1s", "target_duration": "1s"}
@@ -143,7 +143,7 @@ def job_options(file: Queue, folder: Path, security: Security) -> dict[str, Any]
         "job_script_prologue": [
             *file.prologue,
             f"export {drain.STARTED}=$(date +%s)",
-            *(f"export {name}={value}" for name, value in cluster.THREADS.items()),
+            *(f"export {name}={value}" for name, value in prefork.THREADS.items()),
         ],
         "job_extra_directives": list(file.directives),
     }
@@ -202,7 +202,7 @@ def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[S
             "distributed.comm.tls.ca-file": files["ca_file"],
             "distributed.comm.tls.worker.cert": files["cert"],
             "distributed.comm.tls.worker.key": files["key"],
-            "distributed.nanny.pre-spawn-environ": cluster.THREADS,
+            "distributed.nanny.pre-spawn-environ": prefork.THREADS,
         }
     ):
         try:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railvib.errors import InputError
+from sweep import prefork
 
 if TYPE_CHECKING:
     from distributed.security import Security
@@ -85,6 +86,11 @@ class Launch:
         certificates = tls.Certificates(self.tls_ca, self.tls_cert, self.tls_key)
         certificates.check()
         return certificates.security()
+
+    def get_ready(self, kinds: str) -> None:
+        """Begin with what workers started here need, while there is something else to do; does not wait."""
+        if self.scheduler is None and self.file is None and self.processes > 0:
+            prefork.start(kinds)
 
     def check(self, directory: Path, store: str | None) -> None:
         """Ask whoever is to compute whether they can, before anything is written.

@@ -1,0 +1,36 @@
+"""One process that has imported everything and loaded the compiled kernels, from which workers are forked.
+
+It gets ready while the driver still plans, and has no thread but one, so that forking it is safe. A worker
+that replaces a dead one is there at once, and workers share the memory of what they all need. Only this
+process compiles where nothing is in the cache yet: two that compile into it at once can crash.
+"""
+
+import os
+import sys
+from multiprocessing import forkserver
+
+KINDS = "RAILVIB_KINDS"
+"""Environment variable with the module whose kernels are loaded."""
+THREADS = {
+    "NUMBA_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""Environment of worker processes; numba and BLAS read it when they are imported."""
+POSSIBLE = sys.platform == "linux"
+"""Elsewhere forking is not, or not safely, to be had."""
+
+
+def start(kinds: str) -> None:
+    """Start the process, without waiting for it, to load the kernels of a module's kinds."""
+    if not POSSIBLE:
+        return
+    before = dict(os.environ)
+    os.environ.update({**THREADS, KINDS: kinds})
+    try:
+        forkserver.set_forkserver_preload(["sweep.preloaded"])
+        forkserver.ensure_running()
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
