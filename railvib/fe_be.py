@@ -140,7 +140,8 @@ def fe_be_response(
         bed = columns(track, section, omega)
     else:
         solid = SolidBed(track, section, edge)
-        bed = np.array([solid.condensed(each, omega) for each in beta])
+        with threads.single():
+            bed = np.array([solid.condensed(each, omega) for each in beta])
     response = coupled_response(track, section, beta, omega, bed, soil, receiver)
     return response._replace(ground=response.ground[1:])
 
