@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 
-from railvib import blocks, cost
+from railvib import blocks, cost, threads
 from railvib.boundary_elements import receiver_flexibility, strip_flexibility
 from railvib.coupled_section import Response, columns, coupled_response, strip_edges
 from railvib.cross_section import CrossSection
@@ -140,7 +140,8 @@ def fe_be_response(
         bed = columns(track, section, omega)
     else:
         solid = SolidBed(track, section, edge)
-        bed = np.array([solid.condensed(each, omega) for each in beta])
+        with threads.single():
+            bed = np.array([solid.condensed(each, omega) for each in beta])
     response = coupled_response(track, section, beta, omega, bed, soil, receiver)
     return response._replace(ground=response.ground[1:])
 
@@ -163,9 +164,10 @@ class FeBeModel:
                 largest_wavenumber(track, refinement),
                 2.0 * 2.0 * np.pi * float(frequency[-1]) * 1.3 / ground.slowest_speed,
             )
-            self._bed = CondensedBed(
-                SolidBed(track, section, self.edge), (float(frequency[0]), float(frequency[-1])), largest
-            )
+            with threads.single():
+                self._bed = CondensedBed(
+                    SolidBed(track, section, self.edge), (float(frequency[0]), float(frequency[-1])), largest
+                )
 
     def __call__(
         self, fits: GroundFits, track: Track, offsets: Iterable[float], tolerance: float
@@ -193,7 +195,7 @@ class _FeBeEvaluation(Evaluation):
         soil, receiver = _soil(
             beta, model.edge, self.offsets, model.strips.at(level, k), model.field.at(level, k)
         )
-        with cost.stage("coupling"):
+        with cost.stage("coupling"), threads.single():
             bed = (
                 columns(model.track, model.section, omega)
                 if model._bed is None

@@ -9,16 +9,17 @@ import numpy as np
 import numpy.typing as npt
 
 from railvib import bands, blocks
+from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
-from railvib.moving_roughness import line_integrals
+from railvib.moving_roughness import LineIntegrals, line_integrals
 from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
 from railvib.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
 from railvib.track import Track
-from railvib.train_average import train_integrals
+from railvib.train_average import TrainIntegrals, train_integrals
 from railvib.transfer import Receiver, TransferBlock, TransferFunction
 from railvib.unevenness import Unevenness
 from railvib.vehicle import Train
@@ -108,6 +109,7 @@ def predict(
     maximum_frequency: float = 100.0,
     tolerance: float = 1e-4,
     refinement: int = 1,
+    cross_section: CrossSection | None = None,
 ) -> "xarray.Dataset":
     """Predict the vibration of one case by several approaches.
 
@@ -133,6 +135,8 @@ def predict(
     refinement
         For studies of convergence, a power of two: 2 halves all steps and panels that the tolerance gives
         and doubles the ranges of wavenumber and excitation.
+    cross_section
+        What the approach ``"fe-be"`` makes of the track's cross-section; without it the defaults.
 
     Returns
     -------
@@ -167,25 +171,32 @@ def predict(
         for receiver, table in transfer_blocks(ground, track, block, wanted, tolerance, refinement).items():
             tables[receiver].append(table)
     _report(tables, tolerance)
-    functions = {receiver: TransferFunction(table, track) for receiver, table in tables.items()}
+    by_model = {False: {receiver: TransferFunction(table, track) for receiver, table in tables.items()}}
+    if "fe-be" in approaches:
+        section = cross_section or CrossSection()
+        by_model[True] = _fe_be_functions(ground, track, section, covering, receivers, tolerance, refinement)
     distances = axle_distances(train)
     frequency = lines(midband, line_step(train.length, speed, refinement))
     made: list[Spectra] = []
-    rails: dict[float, Receptances] = {}
-    integrals = None
-    over_train = None
+    rails: dict[tuple[bool, float], Receptances] = {}
+    integrals: dict[bool, dict[Receiver, LineIntegrals]] = {}
+    over_train: dict[bool, dict[Receiver, TrainIntegrals]] = {}
     for approach in approaches:
         v = speed if approach == "full" else 0.0
-        if v not in rails:
+        model = approach == "fe-be"
+        functions = by_model[model]
+        if (model, v) not in rails:
             wanted_blocks = blocks.up_to(highest) if v else covering
-            rails[v] = Receptances(
+            rails[model, v] = Receptances(
                 receptance_block(functions["rail"], track, v, distances, block, tolerance, refinement)
                 for block in wanted_blocks
             )
-        if approach != "full" and integrals is None:
-            integrals = line_integrals({each: functions[each] for each in receivers}, distances, frequency)
+        if approach != "full" and model not in integrals:
+            integrals[model] = line_integrals(
+                {each: functions[each] for each in receivers}, distances, frequency
+            )
             if averaging == "train":
-                over_train = {
+                over_train[model] = {
                     each: train_integrals(functions[each], train.axle_positions, frequency)
                     for each in receivers
                 }
@@ -196,15 +207,33 @@ def predict(
                 unevenness,
                 speed,
                 midband,
-                rails[v],
+                rails[model, v],
                 {each: functions[each] for each in receivers},
-                integrals,
+                integrals.get(model),
                 highest,
-                over_train,
+                over_train.get(model),
                 refinement,
             )
         )
     return _dataset(made, averaging)
+
+
+def _fe_be_functions(
+    ground: Ground,
+    track: Track,
+    section: CrossSection,
+    covering: range,
+    receivers: Sequence[Receiver],
+    tolerance: float,
+    refinement: int,
+) -> dict[Receiver, TransferFunction]:
+    """Return the transfer functions by finite and boundary elements."""
+    from railvib.fe_be import fe_be_blocks  # brings a finite-element library
+
+    made = [
+        fe_be_blocks(ground, track, section, block, receivers, tolerance, refinement) for block in covering
+    ]
+    return {receiver: TransferFunction((each[receiver] for each in made), track) for receiver in receivers}
 
 
 def _check_tolerance(tolerance: float) -> None:

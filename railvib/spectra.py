@@ -16,7 +16,9 @@ from railvib.transfer import Receiver, TransferFunction
 from railvib.unevenness import Unevenness
 from railvib.vehicle import Train
 
-Approach = Literal["moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated", "full"]
+Approach = Literal[
+    "moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated", "full", "fe-be"
+]
 APPROACHES: tuple[Approach, ...] = get_args(Approach)
 
 _STEPS_PER_RIPPLE = 8
@@ -225,7 +227,7 @@ def _velocities(
 
 def _mean(approach: Approach, pairs: np.ndarray, matrices: np.ndarray, phase: np.ndarray) -> np.ndarray:
     """Return ∫ |u|² dx per unit unevenness, m³ per m² of unevenness."""
-    if approach == "moving-roughness":  # Eq. 23: one set of forces, that of all axles together
+    if approach in ("moving-roughness", "fe-be"):  # Eq. 23: one set of forces, that of all axles together
         product = products(pairs, np.einsum("flp,fp->fl", matrices, phase)[..., None])
         return np.asarray(product[:, 0, 0].real)
     if approach == "moving-roughness-uncorrelated":  # Eq. 28

@@ -13,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
 
+from railvib import threads
 from railvib.flexibility_tensor import RR, RZ, TT, ZZ, surface_components
 from railvib.ground import Ground
 from railvib.rational_fit import clean, fit_range, poles
@@ -22,7 +22,6 @@ from railvib.rational_fit import clean, fit_range, poles
 _MOST_TERMS = 120
 _SAMPLES_PER_GAP = 4
 _NEGLIGIBLE = 1e-10
-_LINEAR_ALGEBRA = ThreadpoolController()
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ def fit_tensor(
         support = np.linspace(0.0, x_largest, 12)
     else:
         support = np.append(start[start < 0.999 * x_largest], x_largest)
-    with _LINEAR_ALGEBRA.limit(limits=1, user_api="blas"):
+    with threads.single():
         support, weight, seen = _supports(components, support, k0, 30.0 * surface_wave, tolerance)
         # A support without weight takes part in no pole, and would let one fall on it.
         carries = np.abs(weight) > _NEGLIGIBLE * np.abs(weight).max()

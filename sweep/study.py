@@ -19,6 +19,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, Vali
 
 from railvib import library
 from railvib.bands import midbands
+from railvib.cross_section import CrossSection
 from railvib.errors import InputError
 from railvib.ground import Ground
 from railvib.track import Track
@@ -27,7 +28,9 @@ from railvib.vehicle import Vehicle
 from sweep import identity
 from sweep.identity import Canonical
 
-Approach = Literal["moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated", "full"]
+Approach = Literal[
+    "moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated", "full", "fe-be"
+]
 Averaging = Literal["line", "train"]
 
 KMH = 3.6
@@ -199,6 +202,7 @@ class Study(Section):
     sweep: Axes
     accuracy: Accuracy = Accuracy()
     output: Output = Output()
+    cross_section: CrossSection = CrossSection()
     soil: Mapping[str, Any] = {}
     track: Mapping[str, Any] = {}
     train: Mapping[str, Any] = {}
@@ -261,7 +265,8 @@ class Resolved:
     def document(self) -> dict[str, Any]:
         """Return the study with all it names spelt out: it can be resolved without the library."""
         document = self.study.model_dump(mode="json")
-        return document | self.parameters() | {"vehicle": {}}
+        section = self.study.cross_section.model_dump(mode="json", by_alias=True)
+        return document | self.parameters() | {"vehicle": {}, "cross_section": section}
 
 
 def load(path: Path) -> Resolved:
@@ -392,8 +397,11 @@ def _describe(error: ValidationError) -> str:
     if fault["type"] == "missing":
         return f"{key}: is missing"
     cause = fault.get("ctx", {}).get("error")
-    if isinstance(cause, InputError) and str(cause).startswith("."):
-        return (key + str(cause)).lstrip(".")
+    if isinstance(cause, InputError):
+        # An object of railvib names itself first: its place in the study says more.
+        own = str(cause).removeprefix(CrossSection.__name__)
+        if own.startswith((".", ":")):
+            return (key + own).lstrip(".")
     message = MESSAGES.get(fault["type"]) or fault["msg"].removeprefix("Value error, ").replace(
         "Input should", "should"
     )

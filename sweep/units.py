@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railvib import bands, blocks, library
+from railvib.boundary_elements import receiver_flexibility, strip_flexibility
+from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
@@ -23,6 +25,7 @@ from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
 from railvib.spectra import Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import MOST_LEVELS, largest_wavenumber, transfer_blocks_by_class
+from railvib.tensor_fit import fit_tensor
 from railvib.track import Track
 from railvib.train_average import TrainIntegrals, train_integrals
 from railvib.transfer import TransferBlock, TransferFunction
@@ -57,34 +60,47 @@ def spectra_unit(resolved: Resolved, case: Case, approach: str) -> Unit:
         # A full pass-by is one thing: only the moving roughness can be averaged over the train as well.
         averaging=["line"] if approach == "full" else sorted(set(study.approaches.averaging)),
         tolerance=study.accuracy.tolerance,
+        **({"cross_section": study.cross_section} if approach == "fe-be" else {}),
     )
 
 
+class _Model(NamedTuple):
+    """What the transfer functions of a unit follow from; with a cross-section by the FE/BE model."""
+
+    ground: Canonical
+    track: Canonical
+    tolerance: float
+    cross_section: Canonical | None
+
+    @property
+    def inputs(self) -> dict[str, Any]:
+        """The inputs of a unit of this model."""
+        return {name: value for name, value in self._asdict().items() if value is not None}
+
+
+def _model(inputs: Inputs) -> _Model:
+    return _Model(inputs["ground"], inputs["track"], inputs["tolerance"], inputs.get("cross_section"))
+
+
 @lru_cache(REMEMBERED)
-def _transfer_units(
-    ground: Canonical, track: Canonical, tolerance: float, receiver: str | float, which: range
-) -> tuple[Unit, ...]:
+def _transfer_units(model: _Model, receiver: str | float, which: range) -> tuple[Unit, ...]:
     """Return the units of one receiver's transfer function over some blocks."""
     return tuple(
-        Unit.of("transfer", ground=ground, track=track, block=block, receiver=receiver, tolerance=tolerance)
+        Unit.of("transfer", block=block, receiver=receiver, **model.inputs)
         for block in reversed(which)  # the highest first: it takes longest
     )
 
 
 @lru_cache(REMEMBERED)
-def _receptance_units(
-    ground: Canonical, track: Canonical, tolerance: float, train: Canonical, speed: float, which: range
-) -> tuple[Unit, ...]:
+def _receptance_units(model: _Model, train: Canonical, speed: float, which: range) -> tuple[Unit, ...]:
     """Return the units of the rail's receptances at a speed over some blocks, for the axles of a train."""
     return tuple(
         Unit.of(
             "receptance",
-            ground=ground,
-            track=track,
             speed=speed,
             distances=_axles(train).distances,
             block=block,
-            tolerance=tolerance,
+            **model.inputs,
         )
         for block in reversed(which)  # the highest first: it takes longest
     )
@@ -95,9 +111,7 @@ def _line_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
     axles = _axles(inputs["train"])
     return _integral_unit(
         "line_integrals",
-        inputs["ground"],
-        inputs["track"],
-        inputs["tolerance"],
+        _model(inputs),
         receiver,
         inputs["band"],
         line_step(axles.train_length, inputs["speed"]),
@@ -110,9 +124,7 @@ def _train_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
     axles = _axles(inputs["train"])
     return _integral_unit(
         "train_integrals",
-        inputs["ground"],
-        inputs["track"],
-        inputs["tolerance"],
+        _model(inputs),
         receiver,
         inputs["band"],
         line_step(axles.train_length, inputs["speed"]),
@@ -123,9 +135,7 @@ def _train_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
 @lru_cache(REMEMBERED)
 def _integral_unit(
     kind: str,
-    ground: Canonical,
-    track: Canonical,
-    tolerance: float,
+    model: _Model,
     receiver: str | float,
     band: tuple[float, ...],
     step: float,
@@ -133,12 +143,10 @@ def _integral_unit(
 ) -> Unit:
     return Unit.of(
         kind,
-        ground=ground,
-        track=track,
-        tolerance=tolerance,
         receiver=receiver,
         band=band,
         step=step,
+        **model.inputs,
         **axles,
     )
 
@@ -167,10 +175,15 @@ def _covering(band: tuple[float, ...]) -> range:
 
 def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TransferBlock]]:
     first = units[0].inputs
+    ground, track, block = Ground(**first["ground"]), Track(**first["track"]), int(first["block"])
     asked = {unit.inputs["receiver"]: unit for unit in units}
-    for made in transfer_blocks_by_class(
-        Ground(**first["ground"]), Track(**first["track"]), int(first["block"]), asked, first["tolerance"]
-    ):
+    if "cross_section" in first:
+        from railvib.fe_be import FeBeModel  # brings a finite-element library
+
+        model = FeBeModel(ground, track, CrossSection(**first["cross_section"]), block)
+    else:
+        model = None
+    for made in transfer_blocks_by_class(ground, track, block, asked, first["tolerance"], evaluation=model):
         for table in made.values():
             shortfall = table.shortfall(first["tolerance"])
             if shortfall:
@@ -181,9 +194,7 @@ def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Trans
 def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
     track = Track(**inputs["track"])
     highest = highest_tabulated_frequency(track, blocks.reach(int(inputs["block"])), inputs["speed"])
-    return _transfer_units(
-        inputs["ground"], inputs["track"], inputs["tolerance"], RAIL, blocks.up_to(highest)
-    )
+    return _transfer_units(_model(inputs), RAIL, blocks.up_to(highest))
 
 
 def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, ReceptanceBlock]]:
@@ -205,9 +216,7 @@ def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Rec
 
 def _receiver_units(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
     """Return the units of one receiver's transfer function that cover a unit's one-third octaves."""
-    return _transfer_units(
-        inputs["ground"], inputs["track"], inputs["tolerance"], receiver, _covering(inputs["band"])
-    )
+    return _transfer_units(_model(inputs), receiver, _covering(inputs["band"]))
 
 
 def _transfer_function(inputs: Inputs, receiver: str | float, load: Load) -> TransferFunction:
@@ -253,9 +262,7 @@ def _spectra_rail(inputs: Inputs) -> tuple[Unit, ...]:
         speed, which = inputs["speed"], blocks.up_to(_excited_up_to(inputs))
     else:
         speed, which = STANDING, _covering(inputs["band"])
-    return _receptance_units(
-        inputs["ground"], inputs["track"], inputs["tolerance"], inputs["train"], speed, which
-    )
+    return _receptance_units(_model(inputs), inputs["train"], speed, which)
 
 
 def _spectra_needs(inputs: Inputs) -> list[Unit]:
@@ -294,7 +301,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
 
 def _together(*names: str) -> Callable[[Inputs], str]:
     """Return the function that puts units into one task which agree in the inputs of these names."""
-    return lambda inputs: identity.digest({name: inputs[name] for name in names})
+    return lambda inputs: identity.digest({name: inputs[name] for name in names if name in inputs})
 
 
 def _waves(inputs: Inputs) -> float:
@@ -349,7 +356,7 @@ KINDS: dict[str, Kind] = {
         result=TransferBlock,
         scope=lambda inputs: "ground",
         needs=lambda inputs: (),
-        together=_together("ground", "track", "block", "tolerance"),
+        together=_together(*_Model._fields, "block"),
         compute=_transfer,
         size=_transfer_bytes,
         memory=lambda inputs: 8 * _transfer_bytes(inputs),
@@ -358,7 +365,7 @@ KINDS: dict[str, Kind] = {
         result=ReceptanceBlock,
         scope=lambda inputs: "speed" if inputs["speed"] else "ground",
         needs=_receptance_needs,
-        together=_together("ground", "track", "speed", "distances", "tolerance"),
+        together=_together(*_Model._fields, "speed", "distances"),
         compute=_receptance,
         size=_receptance_bytes,
         memory=lambda inputs: 8 * _receptance_bytes(inputs),
@@ -367,7 +374,7 @@ KINDS: dict[str, Kind] = {
         result=LineIntegrals,
         scope=lambda inputs: "ground",
         needs=_integral_needs,
-        together=_together("ground", "track", "distances", "step", "band", "tolerance"),
+        together=_together(*_Model._fields, "distances", "step", "band"),
         compute=_line_integrals,
         size=_line_integral_bytes,
         memory=lambda inputs: 4 * _line_integral_bytes(inputs),
@@ -376,7 +383,7 @@ KINDS: dict[str, Kind] = {
         result=TrainIntegrals,
         scope=lambda inputs: "ground",
         needs=_integral_needs,
-        together=_together("ground", "track", "receiver", "axle_position", "step", "band", "tolerance"),
+        together=_together(*_Model._fields, "receiver", "axle_position", "step", "band"),
         compute=_train_integrals,
         size=_train_integral_bytes,
         memory=lambda inputs: 2 * _train_integral_bytes(inputs),
@@ -456,6 +463,10 @@ def rayleigh_speeds(resolved: Resolved) -> dict[str, list[float]]:
 @cache
 def warm_up() -> None:
     """Compile every kernel, or load it where that has been done: a small case, kept nowhere."""
+    strip = np.array([0.0, 1.0])
+    fit = fit_tensor(library.load("soil", "horstwalde"), 1.0, 0.0, 1e-2)
+    strip_flexibility(strip, fit.pole, fit.residue, fit.constant, strip)
+    receiver_flexibility(strip, fit.pole, fit.residue, fit.constant, strip, strip)
     results: dict[Unit, Any] = {}
 
     def load(unit: Unit) -> Any:
