@@ -75,14 +75,13 @@ class Spectra:
 
 
 def line_step(train_length: float, speed: float, refinement: int = 1) -> float:
-    """Return the step of the narrow-band lines, Hz: the largest power of two up to v/(8L) and 1/8 Hz.
+    """Return the step of the narrow-band lines, Hz: the largest 2ⁿ or 1.5·2ⁿ up to v/(8L) and 1/8 Hz.
 
-    The spectra ripple with period v/L. Powers of two, so that neighbouring speeds share their lines.
+    The spectra ripple with period v/L. Two steps per octave, so that neighbouring speeds share their lines.
     """
-    return (
-        float(2.0 ** np.floor(np.log2(min(speed / (_STEPS_PER_RIPPLE * train_length), _COARSEST_STEP))))
-        / refinement
-    )
+    largest = min(speed / (_STEPS_PER_RIPPLE * train_length), _COARSEST_STEP)
+    octave = 2.0 ** np.floor(np.log2(largest))
+    return float(1.5 * octave if 1.5 * octave <= largest else octave) / refinement
 
 
 def lines(midband: np.ndarray, step: float) -> np.ndarray:

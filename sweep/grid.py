@@ -110,11 +110,12 @@ class _Part:
 def _part(directory: Path | str, record: Mapping[str, Any], soil: str, track: str) -> _Part:
     group, inputs = record["group"], record["inputs"]
     block = int(inputs["block"])
-    frequency = np.asarray(store.open_array(directory, group, "frequency")[...])
+    values = next(name for name in ("rail", "ground", "rail_moving") if name in record["arrays"])
+    along = "moving_frequency" if values == "rail_moving" else "frequency"
+    frequency = np.asarray(store.open_array(directory, group, along)[...])
     low, high = blocks.edges(block)
     inside = (frequency >= low * (1.0 - 1e-9)) & (frequency < high * (1.0 - 1e-9))
     third = inputs["receiver"] if "receiver" in inputs else round(inputs["speed"] * KMH, 9)
-    values = next(name for name in ("rail", "ground", "rail_moving") if name in record["arrays"])
     return _Part(
         directory,
         group,

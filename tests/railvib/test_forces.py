@@ -111,6 +111,7 @@ def test_receptances_of_other_distances_are_not_mixed_up(train):
         frequency=np.geomspace(0.5, 3.0, 34),
         distance=d,
         receptance=np.tile(1e-9 * (np.abs(d) < 1e-9) + 1e-12 * d, (34, 1)).astype(complex),
+        moving_frequency=np.geomspace(0.5, 3.0, 34),
         wavenumber=np.zeros((34, 1)),
         rail_moving=np.zeros((34, 1)),
         block=0,

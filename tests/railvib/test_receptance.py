@@ -42,7 +42,7 @@ def test_integrand_for_the_figures(rail, track):
     known = np.isfinite(block.rail_moving[row])
     assert known.any()
     beta = block.wavenumber[row][known]
-    seen = 2.0 * np.pi * block.frequency[row] - beta * 40.0
+    seen = 2.0 * np.pi * block.moving_frequency[row] - beta * 40.0
     np.testing.assert_allclose(block.rail_moving[row][known], rail.response(beta, seen))
 
 
