@@ -6,9 +6,12 @@ A file is named by its number and topic, by the soil where it shows a single one
 the study with more than one value.
 """
 
+import os
 import re
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -22,7 +25,8 @@ from queries.plots import Combination
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FOLDER = "figures"
+WORKERS = min(os.cpu_count() or 1, 4)
+"""Processes that draw."""
 _SOILS, _COMBINATIONS, _OFFSETS, _SPEEDS = 4, 3, 6, 6
 """At most so many are shown of a study of many cases; panels of one figure stay readable up to here."""
 
@@ -38,33 +42,85 @@ class Drawing:
     draw: Callable[[], "Figure"]
 
 
-def publish(path: Path, folder: Path, kind: str = "png") -> list[Path]:
-    """Draw every figure of a database into a folder and return the files; those of an earlier state go.
+class Crew:
+    """Processes that draw figures; made early, they load the plotting library while other work goes on.
 
     Parameters
     ----------
-    path
-        The database.
-    folder
-        Made if missing.
-    kind
-        png, svg or pdf.
+    workers
+        How many; 0 draws in this process.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    published = []
+
+    def __init__(self, workers: int) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+        if workers:
+            kinds = get_all_start_methods()
+            context = get_context("forkserver" if "forkserver" in kinds else "spawn")
+            context.set_forkserver_preload(["__main__", __name__])  # loaded once for all
+            self._pool = ProcessPoolExecutor(workers, mp_context=context)
+            for _ in range(workers):
+                self._pool.submit(os.getpid)
+
+    def __enter__(self) -> "Crew":
+        """Return itself; leaving the block waits for the processes to end."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+
+    def start(self, path: Path, folder: Path, kind: str = "png") -> Callable[[], list[Path]]:
+        """Begin to draw every figure of a database into a folder.
+
+        Parameters
+        ----------
+        path
+            The database.
+        folder
+            Made if missing.
+        kind
+            png, svg or pdf.
+
+        Returns
+        -------
+        Waits until all are drawn and returns their files; those of an earlier state are gone then.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        with database.attach(path) as connection:
+            files = [folder / f"{drawing.name}.{kind}" for drawing in drawings(connection)]
+            if self._pool is None:
+                for drawing, file in zip(drawings(connection), files, strict=True):
+                    _write(drawing, file, kind)
+        # The last figures have the most panels: they come first, lest one process end long after the others.
+        pool, order = self._pool, reversed(files)
+        drawn = [] if pool is None else [pool.submit(_draw, path, file, kind) for file in order]
+
+        def finish() -> list[Path]:
+            for each in drawn:
+                each.result()
+            for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - set(files):
+                old.unlink()
+            return files
+
+        return finish
+
+
+def _draw(path: Path, file: Path, kind: str) -> None:
+    """Draw one figure of a database, in a process of a crew."""
     with database.attach(path) as connection:
-        for drawing in drawings(connection):
-            file = folder / f"{drawing.name}.{kind}"
-            metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
-            partial = file.with_name(f"{file.name}.partial")
-            # Half the time of writing a PNG goes into its last tenth of size.
-            options: dict[str, Any] = {"pil_kwargs": {"compress_level": 4}} if kind == "png" else {}
-            drawing.draw().savefig(partial, format=kind, metadata=metadata, **options)
-            partial.replace(file)
-            published.append(file)
-    for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - set(published):
-        old.unlink()
-    return published
+        (drawing,) = [
+            each for each in drawings(connection) if each.name == file.name.removesuffix(f".{kind}")
+        ]
+        _write(drawing, file, kind)
+
+
+def _write(drawing: Drawing, file: Path, kind: str) -> None:
+    metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
+    partial = file.with_name(f"{file.name}.partial")
+    # Half the time of writing a PNG goes into its last tenth of size.
+    options: dict[str, Any] = {"pil_kwargs": {"compress_level": 1}} if kind == "png" else {}
+    drawing.draw().savefig(partial, format=kind, metadata=metadata, **options)
+    partial.replace(file)
 
 
 def drawn(connection: duckdb.DuckDBPyConnection, folder: Path) -> bool:

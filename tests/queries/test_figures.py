@@ -31,7 +31,7 @@ def names(directory):
 
 
 def draw(directory, kind="png"):
-    return figures.publish(directory / database.DATABASE, directory / "figures", kind)
+    return figures.Crew(0).start(directory / database.DATABASE, directory / "figures", kind)()
 
 
 def lines(axis):
@@ -194,3 +194,14 @@ def test_a_run_without_any_result_has_the_figures_that_it_can_have(study):
     directory = study.write(lost=("moving-roughness", "moving-roughness-uncorrelated", "full"))
     ingest(directory)
     assert names(directory) == PAPER[:3]
+
+
+@pytest.mark.slow
+def test_figures_that_several_processes_draw_are_the_same(study):
+    directory = study.write(lines=50)
+    ingest(directory)
+    draw(directory)
+    alone = {path.name: path.read_bytes() for path in (directory / "figures").iterdir()}
+    with figures.Crew(2) as crew:
+        crew.start(directory / database.DATABASE, directory / "together")()
+    assert {path.name: path.read_bytes() for path in (directory / "together").iterdir()} == alone
