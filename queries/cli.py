@@ -202,7 +202,7 @@ def figures(named: Path, form: str, output: Path | None) -> None:
     publication.refresh(named)
     place = database.locate(named)
     with Crew(WORKERS) as crew:
-        for figure in crew.start(place.path, output or place.figures, form)():
+        for figure in crew.start(place.path, output or place.figures, form, every=True)():
             click.echo(figure)
 
 

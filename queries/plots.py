@@ -36,7 +36,7 @@ class Combination:
         return [soil, self.track, self.train, self.unevenness, self.speed_kmh]
 
 
-class _Legend:
+class Legend:
     """Collects one handle per label, so that panels share one legend."""
 
     def __init__(self) -> None:
@@ -51,6 +51,7 @@ class _Legend:
         markers: bool = True,
         width: float | None = None,
     ) -> None:
+        """Draw a line and keep its handle."""
         (handle,) = axis.plot(
             x,
             y,
@@ -64,6 +65,7 @@ class _Legend:
         self.handles.setdefault(line.label, handle)
 
     def show(self, figure: Figure) -> None:
+        """Put the legend above the panels."""
         if self.handles:
             legend(figure, list(self.handles.values()), list(self.handles))
 
@@ -84,7 +86,7 @@ def columns(
 def unevenness(connection: duckdb.DuckDBPyConnection, names: Sequence[str]) -> Figure:
     """Draw the unevenness in one-third octaves of wavelength (Figure 3)."""
     figure, ((axis,),) = page(1, 1, 2.6, named=False)
-    shared = _Legend()
+    shared = Legend()
     ends = []
     for number, name in enumerate(names):
         data = columns(
@@ -121,7 +123,7 @@ def receptance(
 ) -> Figure:
     """Draw the rail receptance of one soil and track for each speed (Figures 4 and 5)."""
     figure, ((magnitude, phase),) = page(1, 2, 2.5)
-    shared = _Legend()
+    shared = Legend()
     ends = []
     for number, speed in enumerate(speeds):
         data = columns(
@@ -157,7 +159,7 @@ def force(
 ) -> Figure:
     """Draw the wheel-rail force of both axles of the leading bogie (Figures 6 and 7)."""
     figure, (axes,) = page(1, 2, 2.5)
-    shared = _Legend()
+    shared = Legend()
     names = {"axle-1": "leading axle", "axle-2": "trailing axle"}
     curves = _levels(connection, [soil], case, list(names))
     for number, (axis, receiver) in enumerate(zip(axes, names, strict=True)):
@@ -177,7 +179,7 @@ def rail(
     figure, rows = page(math.ceil(len(soils) / width), width, 2.5)
     panels = [axis for row in rows for axis in row]
     curves = _levels(connection, soils, case, ["rail"])
-    shared = _Legend()
+    shared = Legend()
     for number, soil in enumerate(soils):
         _draw_levels(curves, panels[number], shared, soil, approaches, "rail")
         name_panel(panels[number], number, soil, alone=len(soils) == 1)
@@ -190,7 +192,9 @@ def rail(
 
 
 def narrow_band(
-    spectra: dict[str, dict[str, tuple[NDArray[Any], NDArray[Any]]]], bands: tuple[float, float]
+    spectra: dict[str, dict[str, tuple[NDArray[Any], NDArray[Any]]]],
+    bands: tuple[float, float],
+    passing: Sequence[float] = (),
 ) -> Figure:
     """Draw narrow-band spectra of the rail's velocity, a panel per soil (Figure 9).
 
@@ -200,9 +204,11 @@ def narrow_band(
         Per soil and approach the frequencies [Hz] and the one-sided densities [(m/s)²/Hz]; the finest first.
     bands
         Lowest and highest midband, Hz.
+    passing
+        Frequencies to mark, at which vehicles pass, Hz.
     """
     figure, rows = page(len(spectra), 1, 2.3)
-    shared = _Legend()
+    shared = Legend()
     for number, (soil, by_approach) in enumerate(spectra.items()):
         axis = rows[number][0]
         peak = -math.inf
@@ -222,6 +228,9 @@ def narrow_band(
             peak = max(peak, float(level.max(initial=-math.inf)))
         if math.isfinite(peak):
             axis.set_ylim(max(axis.get_ylim()[0], peak - _NARROW_RANGE_DB), peak + 3.0)
+        for multiple in passing:
+            mark = axis.axvline(multiple, color="#b9a7c9", linewidth=0.8, zorder=1.5)
+            shared.handles.setdefault("multiples of speed over vehicle length", mark)
         level_axis(axis)
         band_axis(axis, *bands)
         name_panel(axis, number, soil, alone=len(spectra) == 1)
@@ -240,7 +249,7 @@ def ground(
     """Draw the ground's velocity in one-third octaves, a column per soil and a row per offset (Figure 10)."""
     figure, rows = page(len(offsets), len(soils), 1.75)
     curves = _levels(connection, soils, case, ["ground"])
-    shared = _Legend()
+    shared = Legend()
     for row, offset in enumerate(offsets):
         for column, soil in enumerate(soils):
             axis = rows[row][column]
@@ -285,7 +294,7 @@ def _levels(
 def _draw_levels(
     curves: _Curves,
     axis: Axes,
-    shared: _Legend,
+    shared: Legend,
     soil: str,
     approaches: Sequence[str],
     receiver: str,
