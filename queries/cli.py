@@ -197,12 +197,13 @@ def compare(
 def figures(named: Path, form: str, output: Path | None) -> None:
     """Draw the figures of RESULTS, a run directory or a database file, for print."""
     from queries import database, publication
-    from queries.figures import publish
+    from queries.figures import WORKERS, Crew
 
     publication.refresh(named)
     place = database.locate(named)
-    for figure in publish(place.path, output or place.figures, form):
-        click.echo(figure)
+    with Crew(WORKERS) as crew:
+        for figure in crew.start(place.path, output or place.figures, form, every=True)():
+            click.echo(figure)
 
 
 @click.command()

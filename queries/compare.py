@@ -1,7 +1,9 @@
 """How far the approaches are from the reference and what they cost, from the database alone."""
 
+import hashlib
+import json
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import duckdb
@@ -92,6 +94,12 @@ class Pair:
             (*first.given, *second.given),
         )
 
+    def kept(self, connection: duckdb.DuckDBPyConnection) -> "Pair":
+        """Return the pair with its rows in a table of this connection, for what groups them repeatedly."""
+        digest = hashlib.sha256(json.dumps([self.rows, self.given]).encode()).hexdigest()[:16]
+        connection.execute(f"CREATE TEMP TABLE IF NOT EXISTS pair_{digest} AS {self.rows}", list(self.given))
+        return replace(self, rows=f"FROM pair_{digest}", given=())
+
 
 @dataclass(frozen=True)
 class Levels:
@@ -162,7 +170,11 @@ def case_count(connection: duckdb.DuckDBPyConnection) -> int:
 def pairs(connection: duckdb.DuckDBPyConnection) -> list[Pair]:
     """Return every approach with the reference of the study."""
     against = reference(connection)
-    return [Pair.of_approaches(name, against) for name in approaches(connection) if name != against]
+    return [
+        Pair.of_approaches(name, against).kept(connection)
+        for name in approaches(connection)
+        if name != against
+    ]
 
 
 def varying(connection: duckdb.DuckDBPyConnection) -> list[str]:

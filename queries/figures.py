@@ -2,13 +2,18 @@
 
 Figures carry the numbers of the paper's: 3 unevenness, 4 and 5 rail receptance, 6 and 7 wheel-rail force
 (the first soil of the study has the even number, every other the odd one), 8 rail, 9 narrow band, 10 ground.
+Beyond the paper's: 11 level against distance, 12 error over speed and band, 13 cost against error.
 A file is named by its number and topic, by the soil where it shows a single one, and by every other axis of
 the study with more than one value.
 """
 
+import math
+import os
 import re
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -22,7 +27,10 @@ from queries.plots import Combination
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FOLDER = "figures"
+WORKERS = min(os.cpu_count() or 1, 4)
+"""Processes that draw."""
+_PASSING = 8
+"""Multiples of the passing frequency of vehicles that a spectrum is marked with."""
 _SOILS, _COMBINATIONS, _OFFSETS, _SPEEDS = 4, 3, 6, 6
 """At most so many are shown of a study of many cases; panels of one figure stay readable up to here."""
 
@@ -38,33 +46,92 @@ class Drawing:
     draw: Callable[[], "Figure"]
 
 
-def publish(path: Path, folder: Path, kind: str = "png") -> list[Path]:
-    """Draw every figure of a database into a folder and return the files; those of an earlier state go.
+class Crew:
+    """Processes that draw figures; made early, they load the plotting library while other work goes on.
 
     Parameters
     ----------
-    path
-        The database.
-    folder
-        Made if missing.
-    kind
-        png, svg or pdf.
+    workers
+        How many; 0 draws in this process.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    published = []
+
+    def __init__(self, workers: int) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+        if workers:
+            kinds = get_all_start_methods()
+            context = get_context("forkserver" if "forkserver" in kinds else "spawn")
+            context.set_forkserver_preload(["__main__", __name__])  # loaded once for all
+            self._pool = ProcessPoolExecutor(workers, mp_context=context)
+            for _ in range(workers):
+                self._pool.submit(os.getpid)
+
+    def __enter__(self) -> "Crew":
+        """Return itself; leaving the block waits for the processes to end."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+
+    def start(
+        self, path: Path, folder: Path, kind: str = "png", every: bool = False
+    ) -> Callable[[], list[Path]]:
+        """Begin to draw the figures of a database into a folder.
+
+        Parameters
+        ----------
+        path
+            The database.
+        folder
+            Made if missing.
+        kind
+            png, svg or pdf.
+        every
+            Not those of the paper alone.
+
+        Returns
+        -------
+        Waits until all are drawn and returns their files; those of an earlier state are gone then.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        with database.attach(path) as connection:
+            planned = drawings(connection, every)
+            files = [folder / f"{drawing.name}.{kind}" for drawing in planned]
+            if self._pool is None:
+                for drawing, file in zip(planned, files, strict=True):
+                    _write(drawing, file, kind)
+        # The last figures have the most panels: they come first, lest one process end long after the others.
+        pool, order = self._pool, reversed(files)
+        drawn = [] if pool is None else [pool.submit(_draw, path, file, kind) for file in order]
+
+        def finish() -> list[Path]:
+            for each in drawn:
+                each.result()
+            for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - set(files):
+                old.unlink()
+            return files
+
+        return finish
+
+
+def _draw(path: Path, file: Path, kind: str) -> None:
+    """Draw one figure of a database, in a process of a crew."""
     with database.attach(path) as connection:
-        for drawing in drawings(connection):
-            file = folder / f"{drawing.name}.{kind}"
-            metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
-            partial = file.with_name(f"{file.name}.partial")
-            # Half the time of writing a PNG goes into its last tenth of size.
-            options: dict[str, Any] = {"pil_kwargs": {"compress_level": 4}} if kind == "png" else {}
-            drawing.draw().savefig(partial, format=kind, metadata=metadata, **options)
-            partial.replace(file)
-            published.append(file)
-    for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - set(published):
-        old.unlink()
-    return published
+        (drawing,) = [
+            each
+            for each in drawings(connection, every=True)
+            if each.name == file.name.removesuffix(f".{kind}")
+        ]
+        _write(drawing, file, kind)
+
+
+def _write(drawing: Drawing, file: Path, kind: str) -> None:
+    metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
+    partial = file.with_name(f"{file.name}.partial")
+    # Half the time of writing a PNG goes into its last tenth of size.
+    options: dict[str, Any] = {"pil_kwargs": {"compress_level": 1}} if kind == "png" else {}
+    drawing.draw().savefig(partial, format=kind, metadata=metadata, **options)
+    partial.replace(file)
 
 
 def drawn(connection: duckdb.DuckDBPyConnection, folder: Path) -> bool:
@@ -72,8 +139,8 @@ def drawn(connection: duckdb.DuckDBPyConnection, folder: Path) -> bool:
     return all((folder / f"{drawing.name}.png").is_file() for drawing in drawings(connection))
 
 
-def drawings(connection: duckdb.DuckDBPyConnection) -> list[Drawing]:
-    """Return the figures that the results allow, in the order of their numbers."""
+def drawings(connection: duckdb.DuckDBPyConnection, every: bool = False) -> list[Drawing]:
+    """Return the figures that the results allow, the paper's or `every` one, in order of their numbers."""
     found = connection.execute("SELECT soil, track, train, unevenness, speed_kmh FROM cases").fetchall()
     soils = _unique(row[0] for row in found)
     combinations = _unique(Combination(*row[1:]) for row in found)
@@ -92,6 +159,8 @@ def drawings(connection: duckdb.DuckDBPyConnection) -> list[Drawing]:
         *_receptances(connection, names, soils),
         *_cases(connection, names, soils, combinations),
     ]
+    if every:
+        plan += _worth(connection, names, soils, combinations)
     return [
         Drawing(drawing.name, drawing.caption + shown, drawing.draw)
         for drawing in sorted(plan, key=lambda each: each.name[:9])
@@ -247,6 +316,46 @@ def _cases(
     return plan
 
 
+def _worth(
+    connection: duckdb.DuckDBPyConnection, names: _Names, soils: list[str], combinations: list[Combination]
+) -> list[Drawing]:
+    """Return the figures of level against distance, of errors, and of costs."""
+    from queries import error_plots
+
+    row = connection.execute("SELECT count(*) FROM bands WHERE receiver = 'ground'").fetchone()
+    on_ground = bool(row and row[0])
+    approaches, against = compare.approaches(connection), compare.reference(connection)
+    compared = {row[0] for row in connection.execute("SELECT DISTINCT approach FROM accuracy").fetchall()}
+    plan = [
+        Drawing(
+            names.name(11, "distance", None, case),
+            f"Ground velocity against distance: {case.train} on {case.track}, {case.unevenness}, "
+            f"{case.speed_kmh:g} km/h.",
+            _bind(error_plots.distance, connection, soils, case, approaches),
+        )
+        for case in combinations
+        if on_ground
+    ]
+    plan += [
+        Drawing(
+            names.name(12, "error", approach),
+            f"Mean error of {approach} on the ground, all cases: level minus that of {against}.",
+            _bind(error_plots.error_map, connection, soils, approach, against),
+        )
+        for approach in compare.in_order(compared)
+        if on_ground
+    ]
+    if compared:
+        plan.append(
+            Drawing(
+                names.name(13, "cost"),
+                "Mean size of the error against processor time, a point per case and approach.",
+                _bind(error_plots.cost, connection, approaches),
+            )
+        )
+    return plan
+
+
 def _narrow_band(connection: duckdb.DuckDBPyConnection, soils: Sequence[str], case: Combination) -> "Figure":
     """Draw the rail's narrow-band spectra of the reference and of the first other approach."""
     against = compare.reference(connection)
@@ -267,7 +376,10 @@ def _narrow_band(connection: duckdb.DuckDBPyConnection, soils: Sequence[str], ca
             if data["frequency_hz"].size:
                 spectra.setdefault(soil, {})[approach] = (data["frequency_hz"], data["value"])
     ends = connection.execute("SELECT min(band_hz), max(band_hz) FROM bands").fetchone() or (1.0, 100.0)
-    return plots.narrow_band(spectra, (ends[0], ends[1]))
+    row = connection.execute("SELECT max(length_m) FROM vehicles WHERE train = $1", [case.train]).fetchone()
+    first = case.speed_kmh / 3.6 / row[0] if row and row[0] else math.inf
+    passing = [n * first for n in range(1, _PASSING + 1) if ends[0] <= n * first <= ends[1]]
+    return plots.narrow_band(spectra, (ends[0], ends[1]), passing)
 
 
 def _bind(draw: Callable[..., "Figure"], *given: Any) -> Callable[[], "Figure"]:

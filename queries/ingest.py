@@ -136,6 +136,18 @@ def ingest(
     return Ingest(path, True, tuple(unreadable), backup)
 
 
+def is_outdated(directory: Path | str) -> bool:
+    """Return whether the database of a run directory lacks something that its records have."""
+    path = database.locate(directory).path
+    before = _Published.read(path, own=True)
+    source = _source(Path(directory), path)
+    return (
+        before is None
+        or not before.present_form
+        or before.fingerprints.get(source.name) != source.fingerprint
+    )
+
+
 @dataclass(frozen=True)
 class _Published:
     """What a published file is: number and sameness of its form, and fingerprints of what it has."""

@@ -18,7 +18,7 @@ from queries import compare
 from queries.lines import approach_line
 from queries.table import band
 
-LINES_BYTES = 4_000_000
+LINES_BYTES = 3_000_000
 """Share of the page for narrow-band spectra, before it is written as text."""
 MOST_BINS, FEW_BINS, LEAST_BINS = 1000, 300, 100
 """Bins of a thinned spectrum: at most, so few that only dynamic ones are shown, or fewer cases."""

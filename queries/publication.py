@@ -9,7 +9,7 @@ import duckdb
 from queries import compare, database, summary
 from queries.compare import Levels, Pair
 from queries.database import Place, ResultsError
-from queries.ingest import ingest
+from queries.ingest import ingest, is_outdated
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -32,17 +32,19 @@ def after_run(directory: Path) -> None:
 
     from queries import figures, report
 
-    console = Console()
-    ingest(directory)
     place = database.locate(directory)
-    with database.connect(directory) as connection:
-        now = database.snapshot(connection)
-        before = report.shown(place.report)
-        if before != now:
-            if before[1:] != now[1:] or not figures.drawn(connection, place.figures):
-                figures.publish(place.path, place.figures)
-            report.write(connection, place.report)
-        show(connection, place, console)
+    # Whoever draws loads the plotting library while the database is made, and draws while the report is.
+    with figures.Crew(figures.WORKERS if is_outdated(directory) else 0) as crew:
+        ingest(directory)
+        with database.connect(directory) as connection:
+            now, before = database.snapshot(connection), report.shown(place.report)
+            stale = before[1:] != now[1:] or not figures.drawn(connection, place.figures)
+            drawing = crew.start(place.path, place.figures) if stale else None
+            if before != now:
+                report.write(connection, place.report)
+            if drawing is not None:
+                drawing()
+            show(connection, place, Console())
 
 
 def show(

@@ -17,6 +17,8 @@ from queries import compare, database, page_data, provenance, summary
 from queries.database import ResultsError
 
 _PAGE = resources.files("queries") / "page"
+_MOST_ROWS = 2000
+"""Rows up to which a table of errors has one per case and receiver."""
 _SCRIPTS = ("data.js", "plots.js", "figures.js", "page.js")
 
 
@@ -66,7 +68,11 @@ def page(connection: duckdb.DuckDBPyConnection) -> str:
             sentences=summary.summary(connection),
             missing=summary.missing(connection),
             tables=[
-                *(compare.error_table(connection, pair) for pair in compare.pairs(connection)),
+                *(
+                    compare.error_table(connection, pair, by)
+                    for pair in compare.pairs(connection)
+                    for by in _groupings(connection)
+                ),
                 compare.cost_table(connection, by_case=True),
             ],
             provenance=provenance.tables(connection),
@@ -75,6 +81,15 @@ def page(connection: duckdb.DuckDBPyConnection) -> str:
             plotly=Markup(_plotly()),
         )
     )
+
+
+def _groupings(connection: duckdb.DuckDBPyConnection) -> list[tuple[str, ...] | None]:
+    """Return what error tables are grouped by: case and receiver, or each alone where there are many."""
+    rows = connection.execute(
+        "SELECT count(*) FROM (SELECT DISTINCT case_id, receiver, offset_m FROM accuracy)"
+    ).fetchone()
+    few = not rows or rows[0] <= _MOST_ROWS
+    return [None] if few else [(*compare.varying(connection),), ("receiver",)]
 
 
 def _thinned(lines: dict[str, Any]) -> str:

@@ -91,9 +91,9 @@ def verdicts(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic
         cells = []
         for place in PLACES:
             found = connection.execute(
-                f"SELECT band_hz, avg(abs(difference_db)), count(*) FROM ({pair.rows}) WHERE averaging = "
-                f"'line' "
-                f"AND contribution = $3 AND difference_db IS NOT NULL AND {PLACES[place]} "
+                f"SELECT band_hz, avg(abs(difference_db)), count(*) FROM ({pair.rows}) "
+                f"WHERE averaging = 'line' AND contribution = ${len(pair.given) + 1} "
+                f"AND difference_db IS NOT NULL AND {PLACES[place]} "
                 "GROUP BY band_hz ORDER BY band_hz DESC",
                 [*pair.given, contribution],
             ).fetchall()

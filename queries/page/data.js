@@ -5,7 +5,8 @@ const page = JSON.parse(document.getElementById("data").textContent);
 const NONE = -32768;
 
 function unpack(text) {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const letters = atob(text), bytes = new Uint8Array(letters.length);
+  for (let at = 0; at < letters.length; at += 1) bytes[at] = letters.charCodeAt(at);
   return new Int16Array(bytes.buffer);
 }
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -84,17 +85,22 @@ class Receptance:
     receptance: NDArray[Any] = _array("frequency", "distance", unit="m/N")
 
 
-def mean_square(soil: int, error_db: float, receiver: int) -> NDArray[Any]:
+def _is_axle(receiver: tuple[str, float]) -> bool:
+    return receiver[0].startswith("axle")
+
+
+def mean_square(soil: int, error_db: float, receiver: int, force: bool = False) -> NDArray[Any]:
     """Return mean squares of 60 dB + 10 dB per soil − 5 dB per receiver − 0.1 dB per Hz, plus the error."""
-    unit = 1.0 if receiver < 2 else 1e-18
+    unit = 1.0 if force else 1e-18
     return np.asarray(unit * 10.0 ** ((60.0 + 10.0 * soil - 5.0 * receiver - 0.1 * BANDS + error_db) / 10.0))
 
 
 class Study:
     """Builds a run directory; every argument is an axis of the study or a way in which it went wrong."""
 
-    def __init__(self, directory: Path) -> None:
+    def __init__(self, directory: Path, receivers: Sequence[tuple[str, float]] = RECEIVERS) -> None:
         self.directory = directory
+        self.receivers = receivers
 
     def write(
         self,
@@ -210,9 +216,14 @@ class Study:
         series = [
             (contribution, number)
             for contribution in ("dynamic", "total")
-            for number in range(len(RECEIVERS))
+            for number in range(len(self.receivers))
         ]
-        squares = np.array([mean_square(soil, ERROR_DB[approach], number) for _, number in series])
+        squares = np.array(
+            [
+                mean_square(soil, ERROR_DB[approach], number, _is_axle(self.receivers[number]))
+                for _, number in series
+            ]
+        )
         if zero_band:
             squares[:, 0] = 0.0
         ripple = 1.0 + 0.8 * np.sin(2 * np.pi * frequency / 1.57) * (approach == "full")
@@ -223,10 +234,12 @@ class Study:
             psd,
             squares,
             np.linspace(0.0, 1.0, BANDS.size),
-            np.array([RECEIVERS[number][1] for _, number in series]),
+            np.array([self.receivers[number][1] for _, number in series]),
             tuple(contribution for contribution, _ in series),
-            tuple("wheel_rail_force" if number < 2 else "velocity" for _, number in series),
-            tuple(RECEIVERS[number][0] for _, number in series),
+            tuple(
+                "wheel_rail_force" if _is_axle(self.receivers[number]) else "velocity" for _, number in series
+            ),
+            tuple(self.receivers[number][0] for _, number in series),
             ("line",) * len(series),
         )
 

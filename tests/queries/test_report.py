@@ -21,7 +21,7 @@ from sweep import records
 def _few_figures(monkeypatch):
     """Draw the first figure only, for drawing takes time."""
     drawings = figures.drawings
-    monkeypatch.setattr(figures, "drawings", lambda connection: drawings(connection)[:1])
+    monkeypatch.setattr(figures, "drawings", lambda *given, **named: drawings(*given, **named)[:1])
 
 
 class Page(html.parser.HTMLParser):

@@ -1,0 +1,92 @@
+"""The levels of the paper's study are the same from database, store and a single prediction."""
+
+import numpy as np
+import pytest
+
+import railvib
+from railvib import bands, library
+from sweep import records, store, units
+from sweep.kinds import Unit
+
+SOIL, OFFSET, TOLERANCE = "horstwalde", 8.0, 1e-9
+APPROACHES = ("moving-roughness", "moving-roughness-uncorrelated", "full")
+
+
+@pytest.fixture(scope="module")
+def predicted():
+    return railvib.predict(
+        ground=library.load("soil", SOIL),
+        track=library.load("track", "ballasted-paper"),
+        train=library.load("train", "grona-taget"),
+        unevenness=library.load("unevenness", "fra-hamid-yang-3"),
+        speed=150 / 3.6,
+        offsets=[OFFSET],
+    )
+
+
+def stored(results, run_directory, approach):
+    """Return the commit record of a case's spectra."""
+    found = results.sql(
+        "SELECT DISTINCT unit_id FROM levels JOIN current_units USING (case_id, approach) JOIN units "
+        "USING (source, unit_id) WHERE kind = 'spectra' AND soil = $1 AND approach = $2",
+        (SOIL, approach),
+    )
+    (unit_id,) = found.unit_id
+    return records.find(run_directory, "spectra", unit_id)
+
+
+def in_database(results, approach, contribution, receiver, offset):
+    found = results.sql(
+        "SELECT mean_square FROM levels WHERE soil = $1 AND approach = $2 AND contribution = $3 AND "
+        "receiver = $4 AND offset_m IS NOT DISTINCT FROM $5 AND averaging = 'line' ORDER BY band_hz",
+        (SOIL, approach, contribution, receiver, offset),
+    )
+    return found.mean_square.to_numpy()
+
+
+@pytest.mark.parametrize("approach", APPROACHES)
+def test_database_and_prediction_agree(results, predicted, approach):
+    for contribution in ("dynamic", "quasi-static", "total"):
+        for receiver, offset, name in (("rail", None, "rail"), ("ground", OFFSET, "ground 8 m")):
+            expected = predicted.velocity_mean_square.sel(
+                approach=approach, contribution=contribution, receiver=name
+            )
+            found = in_database(results, approach, contribution, receiver, offset)
+            np.testing.assert_allclose(found, expected.values, rtol=TOLERANCE)
+    for axle in (1, 2, 16):
+        expected = predicted.force_mean_square.sel(approach=approach, axle=axle)
+        found = in_database(results, approach, "dynamic", f"axle-{axle}", None)
+        np.testing.assert_allclose(found, expected.values, rtol=TOLERANCE)
+
+
+@pytest.mark.parametrize("approach", APPROACHES)
+def test_database_and_spectra_computed_again_from_the_store_agree(results, run_directory, approach):
+    unit = Unit.of("spectra", **stored(results, run_directory, approach)["inputs"])
+
+    def load(needed: Unit):
+        record = records.find(run_directory, needed.kind, needed.id)
+        return store.read(run_directory, record["group"], units.KINDS[needed.kind].result)
+
+    (again,) = (result for made in units.KINDS["spectra"].compute([unit], load) for result in made.values())
+    assert len(again.receiver) > 20
+    for series in range(len(again.receiver)):
+        offset = float(again.offset_m[series])
+        found = in_database(
+            results,
+            approach,
+            again.contribution[series],
+            again.receiver[series],
+            None if np.isnan(offset) else offset,
+        )
+        np.testing.assert_allclose(found, again.mean_square[series], rtol=TOLERANCE)
+
+
+@pytest.mark.parametrize("approach", APPROACHES)
+def test_database_and_stored_lines_summed_into_bands_agree(results, run_directory, approach):
+    arrays, attributes = store.read_arrays(run_directory, stored(results, run_directory, approach)["group"])
+    place = list(zip(attributes["receiver"], attributes["contribution"], strict=True)).index(
+        ("rail", "dynamic")
+    )
+    summed = bands.band_mean_squares(arrays["frequency"], arrays["psd"][place], arrays["band"])
+    found = in_database(results, approach, "dynamic", "rail", None)
+    np.testing.assert_allclose(found, summed, rtol=TOLERANCE)
