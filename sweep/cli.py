@@ -17,6 +17,7 @@ import click
 from railvib.errors import InputError, PlausibilityWarning
 
 if TYPE_CHECKING:
+    from sweep.launch import Launch
     from sweep.run import Request
     from sweep.study import Resolved
 
@@ -66,12 +67,13 @@ def computing(command: Callable[..., Any]) -> Callable[..., Any]:
 def plan(study: Path, out: Path | None, store: str | None) -> None:
     """Show what running STUDY takes: cases, tasks, what is there already, bytes and memory."""
     from sweep import estimate
+    from sweep.launch import Launch
     from sweep.run import prepare
 
     resolved = _load(study)
     directory = out or _default_directory(resolved)
     request = prepare(resolved, directory, store)
-    _check_plausibility(request)
+    _check_plausibility(resolved, Launch(workers=0))
     click.echo(estimate.describe(request, directory))
 
 
@@ -148,7 +150,7 @@ def _run(
     request = prepare(resolved, directory, store)
     if request.plan.tasks:
         launched.get_ready(KINDS)
-        _check_plausibility(request)
+        _check_plausibility(resolved, launched)
     if request.plan.tasks or mend:
         launched.check(directory, request.store)
     try:
@@ -203,11 +205,13 @@ def _stoppable() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def _check_plausibility(request: "Request") -> None:
+def _check_plausibility(resolved: "Resolved", launched: "Launch") -> None:
+    """Refuse what cannot be computed, and show what is implausible."""
     from sweep import units
 
-    with _cautions():
-        units.check_plausibility(request.resolved)
+    units.check_plausibility(resolved)
+    for text in launched.beside(units.cautions, resolved):
+        click.echo(f"warning: {text}", err=True)
 
 
 def _load(path: Path) -> "Resolved":

@@ -1,11 +1,14 @@
 """Who computes a run: this process, processes started here, or the workers of a cluster."""
 
 import os
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
+from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from railvib.errors import InputError
 from sweep import prefork
@@ -15,6 +18,9 @@ if TYPE_CHECKING:
 
     from sweep.cluster_file import ClusterFile
     from sweep.engine import Crew
+
+Argument = TypeVar("Argument")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -87,10 +93,29 @@ class Launch:
         certificates.check()
         return certificates.security()
 
+    @property
+    def _starts_here(self) -> bool:
+        """Whether processes are started on this machine."""
+        return self.scheduler is None and self.file is None and self.processes > 0
+
     def get_ready(self, kinds: str) -> None:
         """Begin with what workers started here need, while there is something else to do; does not wait."""
-        if self.scheduler is None and self.file is None and self.processes > 0:
+        if self._starts_here:
             prefork.start(kinds)
+
+    def beside(self, function: Callable[[Argument], Result], argument: Argument) -> Result:
+        """Return what a function gives, called in a process that has loaded the kernels if there is one.
+
+        So the driver need not load them, and does not compile them while another process does.
+        """
+        if not self._starts_here or not prefork.POSSIBLE:
+            return function(argument)
+        with ProcessPoolExecutor(1, mp_context=get_context("forkserver")) as pool:
+            future = pool.submit(function, argument)
+            import sweep.cluster  # which the run needs next; the other process is not ready yet
+
+            assert sweep.cluster
+            return future.result()
 
     def check(self, directory: Path, store: str | None) -> None:
         """Ask whoever is to compute whether they can, before anything is written.

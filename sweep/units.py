@@ -401,33 +401,34 @@ KINDS: dict[str, Kind] = {
 
 
 def check_plausibility(resolved: Resolved) -> None:
-    """Refuse soils without damping; warn where the fastest train outruns waves in ground and track.
+    """Refuse soils without damping.
 
     Raises
     ------
     InputError
         Naming the soil and the layer.
-
-    Warns
-    -----
-    PlausibilityWarning
-        With the speeds.
     """
-    study = resolved.study
-    fastest = max(study.sweep.speed_kmh) / KMH
     for name, ground in resolved.objects["soil"].items():
         assert isinstance(ground, Ground)
         try:
             check_damping(ground)
         except InputError as error:
             raise InputError(f"soil.{name}.{error}") from None
+
+
+def cautions(resolved: Resolved) -> list[str]:
+    """Return where the fastest train outruns waves in ground and track; this takes compiled kernels."""
+    fastest = max(resolved.study.sweep.speed_kmh) / KMH
+    found = []
+    for name, ground in resolved.objects["soil"].items():
+        assert isinstance(ground, Ground)
         for other, track in resolved.objects["track"].items():
             assert isinstance(track, Track)
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", PlausibilityWarning)
                 check_speed(ground, track, fastest)
-            for each in caught:
-                warnings.warn(f"{name}, {other}: {each.message}", PlausibilityWarning, stacklevel=2)
+            found += [f"{name}, {other}: {each.message}" for each in caught]
+    return found
 
 
 def unevenness_bands(resolved: Resolved) -> dict[str, list[dict[str, float]]]:
