@@ -69,7 +69,7 @@ def line_integrals(
                 for receiver, each in zip(members, found, strict=True):
                     integral[receiver][rows] = each
                 spent.evaluations += transfer.size
-                spent.kernel_calls += 1
+                spent.kernel_calls += len(members)
     return {receiver: LineIntegrals(f, d, each / np.pi) for receiver, each in integral.items()}
 
 

@@ -6,6 +6,7 @@ the loopback address only.
 
 import importlib
 import logging
+import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -97,9 +98,12 @@ def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers
         Whether to serve Dask's dashboard, on the loopback address.
     """
     prefork.start(kinds)
-    method = {"distributed.worker.multiprocessing-method": "forkserver"} if prefork.POSSIBLE else {}
+    forked = {
+        "distributed.worker.multiprocessing-method": "forkserver",
+        "distributed.nanny.environ": {**os.environ, **ENVIRONMENT},  # the one that is forked may be older
+    }
     with (
-        dask.config.set({**SETTINGS, **method}),
+        dask.config.set({**SETTINGS, **(forked if prefork.POSSIBLE else {})}),
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,

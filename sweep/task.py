@@ -179,10 +179,16 @@ def _compute(
             return
         _complete(costs, time.perf_counter() - wall, time.process_time() - cpu)
         cautions = [str(each.message) for each in caught if issubclass(each.category, AccuracyWarning)]
+        stored = []
         for unit, result in batch.items():
             shares = _share(unit, batch, costs, kinds)
             home = place.home(unit, kinds[unit.kind])
-            yield _commit(unit, result, shares, cautions, place, home, started), cautions
+            stored.append((home, _store(unit, result, shares, cautions, place, home, started)))
+        # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before
+        # is computed again as a whole.
+        for home, record in stored:
+            yield records.commit(home, record), cautions
+            records.forget_failure(place.directory, record["unit_id"])
 
 
 class Reader:
@@ -224,7 +230,7 @@ class Reader:
         return result
 
 
-def _commit(
+def _store(
     unit: Unit,
     result: Any,
     costs: list[dict[str, Any]],
@@ -232,8 +238,8 @@ def _commit(
     place: Place,
     home: str,
     started: str,
-) -> bool:
-    """Store a result and write its record; return whether this record is the first."""
+) -> dict[str, Any]:
+    """Store a result and return its record."""
     cpu, wall = time.process_time(), time.perf_counter()
     written = store.write(
         home,
@@ -246,7 +252,7 @@ def _commit(
         "peak_rss_bytes": _peak(),
         "bytes_written": written.bytes_written,
     }
-    record = {
+    return {
         **_head(unit, place, started),
         "status": "done",
         "group": written.group,
@@ -255,9 +261,6 @@ def _commit(
         "costs": [*costs, storing],
         "warnings": cautions,
     }
-    first = records.commit(home, record)
-    records.forget_failure(place.directory, unit.id)
-    return first
 
 
 def _record_failure(missing: Iterable[Unit], place: Place, started: str, text: str) -> None:

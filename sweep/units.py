@@ -24,7 +24,7 @@ from railvib.moving_roughness import LineIntegrals, line_integrals
 from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
 from railvib.spectra import Spectra, highest_excitation, line_step, lines, spectra
-from railvib.tabulation import MOST_LEVELS, largest_wavenumber, transfer_blocks_by_class
+from railvib.tabulation import MOST_LEVELS, distance_class, largest_wavenumber, transfer_blocks_by_class
 from railvib.tensor_fit import fit_tensor
 from railvib.track import Track
 from railvib.train_average import TrainIntegrals, train_integrals
@@ -231,10 +231,14 @@ def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
 
 def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegrals]]:
     first = units[0].inputs
-    asked = {unit.inputs["receiver"]: unit for unit in units}
-    receivers = {each: _transfer_function(unit.inputs, each, load) for each, unit in asked.items()}
-    made = line_integrals(receivers, first["distances"], _lines(first))
-    yield {asked[receiver]: integrals for receiver, integrals in made.items()}
+    classes: dict[float, dict[str | float, Unit]] = {}
+    for unit in units:
+        receiver = unit.inputs["receiver"]
+        classes.setdefault(distance_class(receiver), {})[receiver] = unit
+    for asked in classes.values():  # receivers of one class share their nodes, and so their costs
+        receivers = {each: _transfer_function(unit.inputs, each, load) for each, unit in asked.items()}
+        made = line_integrals(receivers, first["distances"], _lines(first))
+        yield {asked[receiver]: integrals for receiver, integrals in made.items()}
 
 
 def _train_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TrainIntegrals]]:

@@ -71,11 +71,10 @@ def logged(directory, run_id):
 
 
 def workers():
-    return [
-        child
-        for child in psutil.Process().children(recursive=True)
-        if "spawn_main" in " ".join(child.cmdline()) and child.status() != psutil.STATUS_ZOMBIE
-    ]
+    """Return the worker processes: children of the one from which they are forked."""
+    family = psutil.Process().children(recursive=True)
+    forks = {each.pid for each in family if "forkserver" in " ".join(each.cmdline())}
+    return [each for each in family if each.ppid() in forks and each.status() != psutil.STATUS_ZOMBIE]
 
 
 def run(directory, wanted, crew):
