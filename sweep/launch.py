@@ -66,6 +66,11 @@ class Launch:
         """How many processes to start on this machine."""
         return (os.cpu_count() or 1) if self.workers is None else self.workers
 
+    @property
+    def here(self) -> int | None:
+        """How many processes compute on this machine; None where others do."""
+        return None if self.scheduler is not None or self.cluster is not None else max(self.processes, 1)
+
     @cached_property
     def file(self) -> "ClusterFile | None":
         """What the cluster file says."""
