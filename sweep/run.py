@@ -211,7 +211,7 @@ def _compute(request: Request, directory: Path, run_id: str, launch: Launch, tal
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
         with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__, directory) as crew:
 
-            def report(task: plan.Task, outcome: Outcome, tally: Tally) -> None:
+            def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
                 if not tallies or tallies[-1] is not tally:
                     tallies.append(tally)
                 display.update(task, outcome, tally)

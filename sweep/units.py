@@ -509,7 +509,7 @@ def warm_up() -> None:
                 speed=1.0,
                 band=[0.1],
                 receivers=[RAIL, 8.0],
-                averaging=["line"],
+                averaging=["line"] if approach == "full" else ["line", "train"],
                 tolerance=1e-2,
             )
         )
