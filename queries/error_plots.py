@@ -8,6 +8,7 @@ import duckdb
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from queries.appearance import label, legend, level_axis, name_panel, page
 from queries.lines import approach_line
@@ -77,6 +78,7 @@ def error_map(
     ).fetchall()
     height = max(1.6, 0.9 + 0.16 * len({each[1] for each in found}))
     figure, panels = page(len(soils), 1, height, named=False)
+    figure.subplots_adjust(right=0.94)  # for what the colours mean
     for number, soil in enumerate(soils):
         axis = panels[number][0]
         own = [each[1:] for each in found if each[0] == soil]
@@ -127,6 +129,12 @@ def cost(connection: duckdb.DuckDBPyConnection, approaches: Sequence[str]) -> Fi
             handles.append(handle)
             names.append(line.label)
     axis.set_xscale("log")
+    axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.xaxis.set_minor_locator(NullLocator())
+    if handles:
+        costs = [each[1] for each in found if each[1]]
+        axis.set_xlim(min(costs) / 1.6, max(costs) * 1.6)
     axis.set_ylim(bottom=0.0)
     label(axis, "processor time of a case [s]", "mean |error| of the velocity [dB]")
     if handles:

@@ -1,6 +1,8 @@
 """Questions in SQL: one statement that reads, on a connection that can do nothing else."""
 
 import csv
+import json
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -13,6 +15,9 @@ from queries.database import ResultsError
 from queries.table import Table
 
 _READING = ("SELECT", "EXPLAIN")
+_EXPLAIN = re.compile(r"^\s*explain(\s+analyze)?\b", re.IGNORECASE)
+_ROWS = ("generate_series", "json_each", "json_tree", "range", "repeat", "repeat_row", "unnest")
+"""Functions of DuckDB that give rows of what they are given, and do nothing else."""
 _SHOWN_ROWS = 1000
 _FETCHED_ROWS = 10_000
 
@@ -47,10 +52,47 @@ def query(
     kind = found[0].type.name
     if kind not in _READING:
         raise ResultsError(f"only statements that read are allowed, such as SELECT; this one is {kind}")
+    refused = sorted(set(_table_functions(connection, statement)) - _allowed(connection))
+    if refused:
+        raise ResultsError(f"{', '.join(refused)}: functions that do more than give rows are not allowed")
     try:
         return connection.execute(found[0], parameters)
     except duckdb.Error as error:
         raise ResultsError(_line(error)) from error
+
+
+def _table_functions(connection: duckdb.DuckDBPyConnection, statement: str) -> Iterator[str]:
+    """Yield the functions that a statement calls for rows: some change settings or write logs.
+
+    Raises
+    ------
+    ResultsError
+        If DuckDB cannot tell.
+    """
+    text = _EXPLAIN.sub("", statement.rstrip().rstrip(";"), count=1)
+    (tree,) = connection.execute("SELECT json_serialize_sql($1::VARCHAR)", [text]).fetchone() or ("{}",)
+    parsed = json.loads(tree)
+    if parsed.get("error"):
+        raise ResultsError(_line(duckdb.Error(str(parsed.get("error_message", "the statement is refused")))))
+    nodes: list[Any] = [parsed]
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, dict):
+            if node.get("type") == "TABLE_FUNCTION":
+                yield str(node["function"].get("function_name", "")).lower()
+            nodes += node.values()
+        elif isinstance(node, list):
+            nodes += node
+
+
+def _allowed(connection: duckdb.DuckDBPyConnection) -> set[str]:
+    """Return the functions for rows that only read: of the database, of what they are given, and macros."""
+    rows = connection.execute(
+        "SELECT function_name FROM duckdb_functions() WHERE function_type = 'table_macro' "
+        "OR (function_type = 'table' AND (function_name LIKE 'duckdb\\_%' ESCAPE '\\' "
+        "OR function_name LIKE 'pragma\\_%' ESCAPE '\\'))"
+    ).fetchall()
+    return {*_ROWS, *(row[0].lower() for row in rows)}
 
 
 def answer(

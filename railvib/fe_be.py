@@ -139,10 +139,11 @@ def fe_be_response(
     if section.bed == "columns":
         bed = columns(track, section, omega)
     else:
-        solid = SolidBed(track, section, edge)
-        with threads.single():
+        with cost.stage("track sections"), threads.single():
+            solid = SolidBed(track, section, edge)
             bed = np.array([solid.condensed(each, omega) for each in beta])
-    response = coupled_response(track, section, beta, omega, bed, soil, receiver)
+    with cost.stage("coupling"), threads.single():
+        response = coupled_response(track, section, beta, omega, bed, soil, receiver)
     return response._replace(ground=response.ground[1:])
 
 

@@ -116,7 +116,7 @@ class CondensedBed:
     """
 
     def __init__(
-        self, bed: SolidBed, frequencies: tuple[float, float], largest: float, tolerance: float = 1e-7
+        self, bed: SolidBed, frequencies: tuple[float, float], largest: float, tolerance: float = 1e-6
     ) -> None:
         self._squares = (2.0 * np.pi * np.array(frequencies)) ** 2
         with cost.stage("track sections") as spent:

@@ -3,6 +3,7 @@
 from contextlib import AbstractContextManager
 from typing import Any
 
+import scipy.linalg  # noqa: F401  brings the library that is to be limited
 from threadpoolctl import ThreadpoolController
 
 _CONTROLLER = ThreadpoolController()

@@ -17,6 +17,7 @@ import click
 from railvib.errors import InputError, PlausibilityWarning
 
 if TYPE_CHECKING:
+    from sweep.estimate import Estimate
     from sweep.launch import Launch
     from sweep.run import Request
     from sweep.study import Resolved
@@ -65,7 +66,11 @@ def computing(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--out", type=DIRECTORY, help="Output directory that a run would use. Default: runs/<study>.")
 @STORED
 def plan(study: Path, out: Path | None, store: str | None) -> None:
-    """Show what running STUDY takes: cases, tasks, what is there already, bytes and memory."""
+    """Show what running STUDY takes: cases, tasks, what is there already, bytes, memory, processor time.
+
+    Processor time and memory are those of this machine, by a pilot of a few seconds, which is remembered. A
+    study that cannot fit is refused.
+    """
     from sweep import estimate
     from sweep.launch import Launch
     from sweep.run import prepare
@@ -74,7 +79,10 @@ def plan(study: Path, out: Path | None, store: str | None) -> None:
     directory = out or _default_directory(resolved)
     request = prepare(resolved, directory, store)
     _check_plausibility(resolved, Launch(workers=0))
-    click.echo(estimate.describe(request, directory))
+    here = Launch().here
+    planned = _estimate(request)
+    click.echo(estimate.describe(request, planned, directory, here))
+    _check_fits(request, planned, directory, here)
 
 
 @click.command()
@@ -151,6 +159,7 @@ def _run(
     if request.plan.tasks:
         launched.get_ready(KINDS)
         _check_plausibility(resolved, launched)
+        _check_fits(request, _estimate(request), directory, launched.here)
     if request.plan.tasks or mend:
         launched.check(directory, request.store)
     try:
@@ -165,7 +174,7 @@ def _run(
                 request = request.resting_on(failures)
             tasks, cases = len(request.plan.tasks), len(request.cases)
             click.echo(f"{cases} cases, {len(request.plan.units)} units, {tasks} tasks to run", err=True)
-            exit_status = execute(request, directory, launched)
+            exit_status = execute(request, directory, launched, _estimate(request).document)
             for hook in metadata.entry_points(group=AFTER_RUN):
                 hook.load()(directory)
     except KeyboardInterrupt:
@@ -203,6 +212,27 @@ def _stoppable() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+def _estimate(request: "Request") -> "Estimate":
+    """Return what a request takes; where there is something to do, by the rates of this machine."""
+    from sweep import estimate
+
+    if not request.plan.tasks:
+        return estimate.Estimate()
+    from sweep import pilot
+
+    return estimate.estimate(request, pilot.rates())
+
+
+def _check_fits(request: "Request", planned: "Estimate", directory: Path, workers: int | None) -> None:
+    import psutil
+
+    from sweep import estimate, pilot
+
+    if request.plan.tasks:
+        memory = psutil.virtual_memory().total
+        estimate.check(request, planned, pilot.rates(), directory, workers, memory)
 
 
 def _check_plausibility(resolved: "Resolved", launched: "Launch") -> None:

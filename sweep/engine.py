@@ -64,6 +64,8 @@ class Tally:
     damaged: int = 0
     starts: int = 0
     cpu_s: float = 0.0
+    bytes_written: int = 0
+    peak_rss_bytes: int = 0
     failures: list[tuple[str, str]] = field(default_factory=list)
 
     @property
@@ -143,6 +145,8 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
 def _settle(board: "_Board", tally: Tally, task: Task, outcome: Outcome) -> None:
     """Count a task that has ended, and release or drop those that wait for it."""
     tally.cpu_s += outcome.cpu_s
+    tally.bytes_written += outcome.bytes_written
+    tally.peak_rss_bytes = max(tally.peak_rss_bytes, outcome.peak_rss_bytes)
     if outcome.status == "done":
         tally.done += 1
         board.release(task.key)

@@ -2,11 +2,9 @@
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -73,6 +71,11 @@ class Launch:
         """How many processes to start on this machine."""
         return (os.cpu_count() or 1) if self.workers is None else self.workers
 
+    @property
+    def here(self) -> int | None:
+        """How many processes compute on this machine; None where others do."""
+        return None if self.scheduler is not None or self.cluster is not None else max(self.processes, 1)
+
     @cached_property
     def file(self) -> "ClusterFile | None":
         """What the cluster file says."""
@@ -110,12 +113,11 @@ class Launch:
         """
         if not self._starts_here or not prefork.POSSIBLE:
             return function(argument)
-        with ProcessPoolExecutor(1, mp_context=get_context("forkserver")) as pool:
-            future = pool.submit(function, argument)
-            import sweep.cluster  # which the run needs next; the other process is not ready yet
+        result = prefork.submit(function, argument)
+        import sweep.cluster  # which the run needs next; the other process is not ready yet
 
-            assert sweep.cluster
-            return future.result()
+        assert sweep.cluster
+        return result()
 
     def check(self, directory: Path, store: str | None) -> None:
         """Ask whoever is to compute whether they can, before anything is written.

@@ -7,7 +7,12 @@ process compiles where nothing is in the cache yet: two that compile into it at 
 
 import os
 import sys
-from multiprocessing import forkserver
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import forkserver, get_context
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
 
 KINDS = "RAILVIB_KINDS"
 """Environment variable with the module whose kernels are loaded."""
@@ -20,10 +25,12 @@ THREADS = {
 """Environment of worker processes; numba and BLAS read it when they are imported."""
 POSSIBLE = sys.platform == "linux"
 """Elsewhere forking is not, or not safely, to be had."""
+_started = False
 
 
 def start(kinds: str) -> None:
     """Start the process, without waiting for it, to load the kernels of a module's kinds."""
+    global _started
     if not POSSIBLE:
         return
     before = dict(os.environ)
@@ -31,6 +38,20 @@ def start(kinds: str) -> None:
     try:
         forkserver.set_forkserver_preload(["sweep.preloaded"])
         forkserver.ensure_running()
+        _started = True
     finally:
         os.environ.clear()
         os.environ.update(before)
+
+
+def running() -> bool:
+    """Return whether the process has been started; it may still be getting ready."""
+    return _started
+
+
+def submit(function: Callable[..., Result], *arguments: Any) -> Callable[[], Result]:
+    """Call a function in a process forked for it, without waiting; what is returned waits for its result."""
+    pool = ProcessPoolExecutor(1, mp_context=get_context("forkserver"))
+    future = pool.submit(function, *arguments)
+    pool.shutdown(wait=False)
+    return future.result

@@ -5,12 +5,13 @@ import os
 import platform
 import secrets
 import socket
-from collections.abc import Mapping, Set
+import time
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import railvib
 from railvib.errors import InputError
@@ -20,6 +21,9 @@ from sweep.kinds import Kind, Unit
 from sweep.launch import Launch
 from sweep.lock import LOCK
 from sweep.study import Case, Resolved
+
+if TYPE_CHECKING:
+    from sweep.engine import Tally
 
 LIBRARIES = (
     "railvib",
@@ -120,7 +124,9 @@ def check_directory(directory: Path, name: str) -> None:
         )
 
 
-def execute(request: Request, directory: Path, launch: Launch) -> int:
+def execute(
+    request: Request, directory: Path, launch: Launch, planned: Mapping[str, Any] | None = None
+) -> int:
     """Compute what is missing, and leave the manifest; return the exit status.
 
     Parameters
@@ -131,21 +137,26 @@ def execute(request: Request, directory: Path, launch: Launch) -> int:
         Where results go; made if missing.
     launch
         Who computes.
+    planned
+        What it will take, for the manifest.
     """
     run_id = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{secrets.token_hex(4)}"
-    manifest = _manifest(request, run_id, launch)
+    manifest = _manifest(request, run_id, launch) | {"planned": planned, "measured": None}
     if not request.plan.tasks and _asked_before(manifest, directory):
         return DONE
     directory.mkdir(parents=True, exist_ok=True)
     records.Run.publish(directory, manifest)
     status = INTERRUPTED
+    began = time.perf_counter()
+    tallies: list[Tally] = []
     try:
-        status = _compute(request, directory, run_id, launch)
+        status = _compute(request, directory, run_id, launch, tallies)
     except Exception:
         status = FAILED
         raise
     finally:
-        manifest |= {"finished": _now(), "exit_status": status}
+        measured = _measured(tallies, time.perf_counter() - began)
+        manifest |= {"finished": _now(), "exit_status": status, "measured": measured}
         records.Run.publish(directory, manifest)
     return status
 
@@ -162,8 +173,23 @@ def _asked_before(manifest: Mapping[str, Any], directory: Path) -> bool:
     )
 
 
-def _compute(request: Request, directory: Path, run_id: str, launch: Launch) -> int:
-    """Run the missing tasks, if any: without work there is no cluster, and nothing heavy is imported."""
+def _measured(tallies: Sequence["Tally"], wall_s: float) -> dict[str, Any]:
+    """Return what a run took, by the tallies of its plan and of what it had to do again."""
+    return {
+        "tasks": sum(tally.done + tally.failed for tally in tallies),
+        "task_starts": sum(tally.starts for tally in tallies),
+        "bytes": sum(tally.bytes_written for tally in tallies),
+        "peak_memory_bytes": max((tally.peak_rss_bytes for tally in tallies), default=0),
+        "cpu_s": sum(tally.cpu_s for tally in tallies),
+        "wall_s": wall_s,
+    }
+
+
+def _compute(request: Request, directory: Path, run_id: str, launch: Launch, tallies: list["Tally"]) -> int:
+    """Run the missing tasks, if any, and add a tally of each go.
+
+    Without work there is no cluster, and nothing heavy is imported.
+    """
     tasks = request.plan.tasks
     from sweep.progress import Display, Log
 
@@ -186,6 +212,8 @@ def _compute(request: Request, directory: Path, run_id: str, launch: Launch) -> 
         with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__, directory) as crew:
 
             def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
+                if not tallies or tallies[-1] is not tally:
+                    tallies.append(tally)
                 display.update(task, outcome, tally)
                 log.write(
                     outcome.status,

@@ -62,6 +62,9 @@ class Place:
         return next(((home, record) for home, record in found if record is not None), None)
 
 
+Status = Literal["done", "failed", "damaged", "no space"]
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What became of a task.
@@ -75,6 +78,8 @@ class Outcome:
         How many units this attempt stored first.
     cpu_s
         Processor seconds that it took [s].
+    bytes_written, peak_rss_bytes
+        Bytes that it stored, and the largest resident memory of its process meanwhile.
     error
         The last line of what was raised.
     warnings
@@ -82,9 +87,11 @@ class Outcome:
     """
 
     key: str
-    status: Literal["done", "failed", "damaged", "no space"]
+    status: Status
     computed: int = 0
     cpu_s: float = 0.0
+    bytes_written: int = 0
+    peak_rss_bytes: int = 0
     error: str = ""
     warnings: tuple[str, ...] = ()
 
@@ -140,16 +147,23 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
     cpu = time.process_time()
     _reset_peak()
     done: list[bool] = []
+    written: list[int] = []
     cautions: list[str] = []
+
+    def outcome(status: Status, error: str = "") -> Outcome:
+        cpu_s = time.process_time() - cpu
+        return Outcome(
+            key, status, sum(done), cpu_s, sum(written), _peak(), error, tuple(dict.fromkeys(cautions))
+        )
+
     try:
-        for first, warned in _compute(missing, kinds, place, started):
+        for first, stored, warned in _compute(missing, kinds, place, started):
             done.append(first)
+            written.append(stored)
             cautions += warned
     except WithdrawnError as error:
-        return Outcome(key, "damaged", sum(done), time.process_time() - cpu, str(error))
+        return outcome("damaged", str(error))
     except Exception as error:
-        message = f"{type(error).__name__}: {error}".partition("\n")[0]
-        spent = time.process_time() - cpu
         try:
             if space.exhausted(error):
                 raise
@@ -157,15 +171,15 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
         except Exception as fault:
             if not space.exhausted(fault):
                 raise
-            return Outcome(key, "no space", sum(done), spent, str(fault))
-        return Outcome(key, "failed", sum(done), spent, message)
-    return Outcome(key, "done", sum(done), time.process_time() - cpu, warnings=tuple(dict.fromkeys(cautions)))
+            return outcome("no space", str(fault))
+        return outcome("failed", f"{type(error).__name__}: {error}".partition("\n")[0])
+    return outcome("done")
 
 
 def _compute(
     missing: list[Unit], kinds: Mapping[str, Kind], place: Place, started: str
-) -> Iterator[tuple[bool, list[str]]]:
-    """Compute batch by batch, commit what each brings; yield per unit whether it is first, and warnings."""
+) -> Iterator[tuple[bool, int, list[str]]]:
+    """Compute batch by batch, commit what each brings; yield whether it is first, its bytes, and warnings."""
     if not missing:
         return
     batches = kinds[missing[0].kind].compute(missing, Reader(place, kinds))
@@ -183,11 +197,12 @@ def _compute(
         for unit, result in batch.items():
             shares = _share(unit, batch, costs, kinds)
             home = place.home(unit, kinds[unit.kind])
-            stored.append((home, _store(unit, result, shares, cautions, place, home, started)))
+            record, size = _store(unit, result, shares, cautions, place, home, started)
+            stored.append((home, record, size))
         # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before
         # is computed again as a whole.
-        for home, record in stored:
-            yield records.commit(home, record), cautions
+        for home, record, size in stored:
+            yield records.commit(home, record), size, cautions
             records.forget_failure(place.directory, record["unit_id"])
 
 
@@ -238,8 +253,8 @@ def _store(
     place: Place,
     home: str,
     started: str,
-) -> dict[str, Any]:
-    """Store a result and return its record."""
+) -> tuple[dict[str, Any], int]:
+    """Store a result; return its record and the bytes stored."""
     cpu, wall = time.process_time(), time.perf_counter()
     written = store.write(
         home,
@@ -252,7 +267,7 @@ def _store(
         "peak_rss_bytes": _peak(),
         "bytes_written": written.bytes_written,
     }
-    return {
+    record = {
         **_head(unit, place, started),
         "status": "done",
         "group": written.group,
@@ -261,6 +276,7 @@ def _store(
         "costs": [*costs, storing],
         "warnings": cautions,
     }
+    return record, written.bytes_written
 
 
 def _record_failure(missing: Iterable[Unit], place: Place, started: str, text: str) -> None:

@@ -11,6 +11,7 @@ from distributed.security import Security
 from railvib.errors import InputError
 
 ROLES = ("scheduler", "worker", "client")
+CERTIFICATE, KEY = "certificate.pem", "key.pem"
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Certificates:
 def temporary(folder: Path) -> Iterator[Security]:
     """Make a certificate for one run; its files, for nobody else to read, are removed at the end."""
     made = Security.temporary()
-    cert, key = folder / "certificate.pem", folder / "key.pem"
+    cert, key = folder / CERTIFICATE, folder / KEY
     folder.mkdir(parents=True, exist_ok=True)
     try:
         for path, content in ((cert, made.tls_ca_file), (key, made.tls_client_key)):

@@ -40,6 +40,8 @@ RAIL = "rail"
 STANDING = 0.0
 REMEMBERED = 4096
 """Units that planning keeps at hand, as many cases share them."""
+FE_BE_BYTES = 128 * 2**20
+"""75 MB were measured with eight strips and three rows of elements."""
 FLOAT, COMPLEX = 8, 16
 """Bytes of a number."""
 
@@ -98,7 +100,7 @@ def _receptance_units(model: _Model, train: Canonical, speed: float, which: rang
         Unit.of(
             "receptance",
             speed=speed,
-            distances=_axles(train).distances,
+            distances=train_axles(train).distances,
             block=block,
             **model.inputs,
         )
@@ -108,7 +110,7 @@ def _receptance_units(model: _Model, train: Canonical, speed: float, which: rang
 
 def _line_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
     """Return the unit of one receiver's line integrals on the narrow-band lines of a case."""
-    axles = _axles(inputs["train"])
+    axles = train_axles(inputs["train"])
     return _integral_unit(
         "line_integrals",
         _model(inputs),
@@ -121,7 +123,7 @@ def _line_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
 
 def _train_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
     """Return the unit of one receiver's integrals over the train on the narrow-band lines of a case."""
-    axles = _axles(inputs["train"])
+    axles = train_axles(inputs["train"])
     return _integral_unit(
         "train_integrals",
         _model(inputs),
@@ -160,14 +162,15 @@ class _Axles(NamedTuple):
 
 
 @lru_cache(REMEMBERED)
-def _axles(train: Canonical) -> _Axles:
+def train_axles(train: Canonical) -> _Axles:
+    """Return what the units of a train depend on."""
     made = Train(**train)
     position = np.round(made.axle_positions - made.axle_positions[0], 9)
     return _Axles(made.length, tuple(position.tolist()), tuple(axle_distances(made).tolist()))
 
 
 @lru_cache(REMEMBERED)
-def _covering(band: tuple[float, ...]) -> range:
+def covering(band: tuple[float, ...]) -> range:
     """Return the blocks that cover one-third octaves; lines just beyond the last edge lie in its halo."""
     lower, upper = bands.edges(band)
     return blocks.covering(float(lower[0]), float(upper[-1]))
@@ -216,7 +219,7 @@ def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Rec
 
 def _receiver_units(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
     """Return the units of one receiver's transfer function that cover a unit's one-third octaves."""
-    return _transfer_units(_model(inputs), receiver, _covering(inputs["band"]))
+    return _transfer_units(_model(inputs), receiver, covering(inputs["band"]))
 
 
 def _transfer_function(inputs: Inputs, receiver: str | float, load: Load) -> TransferFunction:
@@ -237,7 +240,7 @@ def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit,
         classes.setdefault(distance_class(receiver), {})[receiver] = unit
     for asked in classes.values():  # receivers of one class share their nodes, and so their costs
         receivers = {each: _transfer_function(unit.inputs, each, load) for each, unit in asked.items()}
-        made = line_integrals(receivers, first["distances"], _lines(first))
+        made = line_integrals(receivers, first["distances"], narrow_lines(first))
         yield {asked[receiver]: integrals for receiver, integrals in made.items()}
 
 
@@ -245,15 +248,15 @@ def _train_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit
     for unit in units:
         inputs = unit.inputs
         receiver = _transfer_function(inputs, inputs["receiver"], load)
-        yield {unit: train_integrals(receiver, np.asarray(inputs["axle_position"]), _lines(inputs))}
+        yield {unit: train_integrals(receiver, np.asarray(inputs["axle_position"]), narrow_lines(inputs))}
 
 
-def _lines(inputs: Inputs) -> NDArray[np.float64]:
+def narrow_lines(inputs: Inputs) -> NDArray[np.float64]:
     """Return the narrow-band lines of a unit that states their step."""
     return lines(np.asarray(inputs["band"]), inputs["step"])
 
 
-def _excited_up_to(inputs: Inputs) -> float:
+def excited_up_to(inputs: Inputs) -> float:
     """Return the highest frequency of excitation that a full model counts, Hz."""
     return highest_excitation(
         np.asarray(inputs["band"]), largest_wavenumber(Track(**inputs["track"])), inputs["speed"]
@@ -263,9 +266,9 @@ def _excited_up_to(inputs: Inputs) -> float:
 def _spectra_rail(inputs: Inputs) -> tuple[Unit, ...]:
     """Return the receptances that an approach rests on: moving for the full model, else standing."""
     if inputs["approach"] == "full":
-        speed, which = inputs["speed"], blocks.up_to(_excited_up_to(inputs))
+        speed, which = inputs["speed"], blocks.up_to(excited_up_to(inputs))
     else:
-        speed, which = STANDING, _covering(inputs["band"])
+        speed, which = STANDING, covering(inputs["band"])
     return _receptance_units(_model(inputs), inputs["train"], speed, which)
 
 
@@ -295,7 +298,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 Receptances([load(need) for need in _spectra_rail(inputs)]),
                 {receiver: _transfer_function(inputs, receiver, load) for receiver in receivers},
                 None if full else {each: load(_line_integral_unit(inputs, each)) for each in receivers},
-                _excited_up_to(inputs) if full else None,
+                excited_up_to(inputs) if full else None,
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}
                 if "train" in inputs["averaging"]
                 else None,
@@ -308,7 +311,7 @@ def _together(*names: str) -> Callable[[Inputs], str]:
     return lambda inputs: identity.digest({name: inputs[name] for name in names if name in inputs})
 
 
-def _waves(inputs: Inputs) -> float:
+def waves_between(inputs: Inputs) -> float:
     """Return how many wavelengths lie between track and receiver at a block's highest frequency, at most."""
     distance = 0.0 if inputs["receiver"] == RAIL else inputs["receiver"]
     highest = float(blocks.edges(int(inputs["block"]))[1])
@@ -317,11 +320,16 @@ def _waves(inputs: Inputs) -> float:
 
 def _transfer_bytes(inputs: Inputs) -> int:
     """Estimate a table: frequencies of the level that so many waves take, by nodes."""
-    waves = _waves(inputs)
+    waves = waves_between(inputs)
     level = min(max(math.ceil(math.log2(max(waves, 1.0) / 4.0)), 0), MOST_LEVELS)
     rows = blocks.indices(int(inputs["block"]), level).size
     nodes = 400 + 10 * waves
     return int(rows * nodes * (COMPLEX + FLOAT))
+
+
+def _transfer_memory(inputs: Inputs) -> int:
+    """Estimate what tabulating takes; the FE/BE model holds its bed and the matrices of many wavenumbers."""
+    return 8 * _transfer_bytes(inputs) + (FE_BE_BYTES if "cross_section" in inputs else 0)
 
 
 def _receptance_bytes(inputs: Inputs) -> int:
@@ -330,29 +338,44 @@ def _receptance_bytes(inputs: Inputs) -> int:
 
 
 def _line_integral_bytes(inputs: Inputs) -> int:
-    return _lines(inputs).size * len(inputs["distances"]) * FLOAT
+    return narrow_lines(inputs).size * len(inputs["distances"]) * FLOAT
 
 
 def _train_integral_bytes(inputs: Inputs) -> int:
-    return _lines(inputs).size * len(inputs["axle_position"]) ** 2 * COMPLEX
+    return narrow_lines(inputs).size * len(inputs["axle_position"]) ** 2 * COMPLEX
 
 
 def _spectra_bytes(inputs: Inputs) -> int:
-    axles = _axles(inputs["train"])
+    axles = train_axles(inputs["train"])
     series = len(axles.position) + 3 * len(inputs["receivers"]) * len(inputs["averaging"])
-    return series * (_line_count(inputs) + len(inputs["band"])) * FLOAT
+    return series * (line_count(inputs) + len(inputs["band"])) * FLOAT
 
 
-def _line_count(inputs: Inputs) -> int:
-    step = line_step(_axles(inputs["train"]).train_length, inputs["speed"])
-    return lines(np.asarray(inputs["band"]), step).size
+def line_count(inputs: Inputs) -> int:
+    """Return how many narrow-band lines the spectra of a case have."""
+    step = line_step(train_axles(inputs["train"]).train_length, inputs["speed"])
+    return int(lines(np.asarray(inputs["band"]), step).size)
+
+
+def excitation_count(inputs: Inputs) -> int:
+    """Return at how many frequencies the full model needs forces: finer for long trains, and below 4 Hz."""
+    position = train_axles(inputs["train"]).position
+    per_length = inputs["speed"] / (2.0 * math.pi * max(max(position) - min(position), 1.0))
+    fine, coarse = min(0.025, 0.25 * per_length), min(0.1, per_length)
+    return int(np.ceil(4.0 / fine + excited_up_to(inputs) / coarse))
+
+
+def matrices_memory(inputs: Inputs) -> int:
+    """Estimate what the matrices of axles take at all frequencies of a case."""
+    count = excitation_count(inputs) if inputs["approach"] == "full" else 0
+    axles = len(train_axles(inputs["train"]).position)
+    return 6 * max(count, line_count(inputs)) * axles**2 * COMPLEX
 
 
 def _spectra_memory(inputs: Inputs) -> int:
     """Estimate what the tables of all receivers and the matrices of all lines take."""
     tables = sum(_transfer_bytes(unit.inputs) for unit in _spectra_needs(inputs) if unit.kind == "transfer")
-    axles = len(_axles(inputs["train"]).position)
-    return 2 * tables + 6 * _line_count(inputs) * axles**2 * COMPLEX
+    return 2 * tables + matrices_memory(inputs)
 
 
 KINDS: dict[str, Kind] = {
@@ -363,7 +386,7 @@ KINDS: dict[str, Kind] = {
         together=_together(*_Model._fields, "block"),
         compute=_transfer,
         size=_transfer_bytes,
-        memory=lambda inputs: 8 * _transfer_bytes(inputs),
+        memory=_transfer_memory,
     ),
     "receptance": Kind(
         result=ReceptanceBlock,
@@ -491,7 +514,7 @@ def warm_up() -> None:
                 speed=1.0,
                 band=[0.1],
                 receivers=[RAIL, 8.0],
-                averaging=["line"],
+                averaging=["line"] if approach == "full" else ["line", "train"],
                 tolerance=1e-2,
             )
         )

@@ -1,6 +1,7 @@
 """The approach fe-be in a study: the same tables, units of its own."""
 
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -48,6 +49,13 @@ def test_cross_section_is_identity_of_its_approach_only():
         assert not ids(unit(BOTH, "fe-be"), kind) & ids(unit(BOTH, "moving-roughness"), kind)
         assert ids(unit(BOTH, "moving-roughness"), kind) == ids(unit(other, "moving-roughness"), kind)
         assert ids(unit(BOTH, "moving-roughness"), kind) == ids(unit(STUDY, "moving-roughness"), kind)
+
+
+def test_study_of_the_verification_is_valid():
+    resolved = study.load(Path(__file__).parents[2] / "studies" / "verification.toml")
+    assert "fe-be" in resolved.study.approaches.compare
+    section = resolved.study.cross_section
+    assert (section.layer_height, section.poisson_ratio, section.contact) == (0.35, 0.2, "bonded")
 
 
 def test_document_says_the_cross_section_in_full():

@@ -215,11 +215,14 @@ def test_the_number_of_workers_enters_no_id(tmp_path, monkeypatch):
     (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
     planned = []
     monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
-    monkeypatch.setattr(
-        "sweep.run.execute", lambda request, directory, launch: planned.append((launch.workers, request)) or 0
-    )
-    for workers in (0, 1, 7):
+
+    def execute(request, directory, launch, planned_to_take):
+        planned.append((launch.workers, request))
+        return 0
+
+    monkeypatch.setattr("sweep.run.execute", execute)
+    for workers in (0, 1, 3):
         invoke("run", tmp_path / "small.toml", "--out", tmp_path / "out", "--workers", workers)
-    assert [workers for workers, _ in planned] == [0, 1, 7]
+    assert [workers for workers, _ in planned] == [0, 1, 3]
     assert len({tuple(request.plan.units) for _, request in planned}) == 1
     assert len({tuple(request.plan.tasks) for _, request in planned}) == 1

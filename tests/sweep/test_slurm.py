@@ -1,0 +1,112 @@
+"""A real Slurm of one node: jobs through a cluster file, one of them cancelled; a run in one allocation."""
+
+import os
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from sweep import jobs, records
+from tests.sweep.small import STUDY, invoke
+
+ROOT = Path(__file__).parents[2]
+CLUSTER = """
+kind = "slurm"
+minimum_workers = 2
+maximum_workers = 2
+memory_gb = 1
+walltime_minutes = 20
+prologue = ["export PYTHONPATH={root}"]
+"""
+LONGER = STUDY.replace("[30]", "{ start = 30, stop = 60, step = 5 }")
+
+pytestmark = pytest.mark.privileged
+
+
+@pytest.fixture(scope="module")
+def slurm(tmp_path_factory):
+    """Start Slurm, and let this process and its children find it."""
+    folder = tmp_path_factory.mktemp("slurm")
+    script = ROOT / "scripts" / "one-node-slurm"
+    with pytest.MonkeyPatch.context() as patch:
+        started = subprocess.run(
+            [script, "start", folder, "4"], stderr=subprocess.PIPE, text=True, check=False
+        )
+        assert started.returncode == 0, started.stderr
+        patch.setenv("SLURM_CONF", str(folder / "slurm.conf"))
+        patch.setenv("PYTHONPATH", str(ROOT))
+        try:
+            yield
+        finally:
+            subprocess.run([script, "stop", folder], check=True)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Return a directory to work in with a study and a cluster file."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(LONGER, encoding="utf-8")
+    (tmp_path / "cluster.toml").write_text(CLUSTER.format(root=ROOT), encoding="utf-8")
+    return tmp_path
+
+
+def workers():
+    """Return the ids of the jobs in which workers run."""
+    command = ["squeue", "--noheader", "--format=%A", "--states=RUNNING", "--name=railvib"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+
+
+def await_(condition, seconds=120.0):
+    deadline = time.monotonic() + seconds
+    while not condition() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert condition()
+
+
+def assert_complete(out):
+    cases = len(records.Run.load(out)["cases"])
+    assert f"{cases} of {cases} complete" in invoke("status", out).output
+    made = {record["worker"] for record in records.committed(out)}
+    assert os.getpid() not in {int(worker.rpartition(":")[2]) for worker in made}
+    return made
+
+
+def test_the_driver_is_a_job_and_starts_jobs_of_which_one_is_cancelled(slurm, here):
+    (here / ".venv" / "bin").mkdir(parents=True)
+    (here / ".venv" / "bin" / "railvib").symlink_to(ROOT / ".venv" / "bin" / "railvib")
+    out = here / "runs" / "small"
+    driver = ["sbatch", "--wait", "--mem=1G", ROOT / "scripts" / "slurm-driver", "small.toml"]
+    with subprocess.Popen([*driver, "--cluster", "cluster.toml"], stdout=subprocess.DEVNULL) as waiting:
+        await_(lambda: len(workers()) == 2 and (out / "records" / "transfer").exists())
+        first, second = workers()
+        subprocess.run(["scancel", first], check=True)
+        assert records.Run.load(out)["finished"] is None  # it was in the middle
+        waiting.wait(timeout=300)
+    (log,) = here.glob("railvib-driver-*.log")
+    assert waiting.returncode == 0, log.read_text()
+    assert len(assert_complete(out)) >= 2
+    await_(lambda: not workers())
+    left = {path.name for path in (out / jobs.FOLDER).iterdir()}
+    assert {f"railvib-{first}.err", f"railvib-{second}.err"} <= left
+    assert not any(name.endswith(".pem") for name in left)
+
+
+def test_the_ranks_of_one_allocation_are_scheduler_driver_and_workers(slurm, here):
+    script = ROOT / "scripts" / "slurm-allocation"
+    (here / "small.toml").write_text(STUDY, encoding="utf-8")
+    command = ["srun", "--ntasks=4", "--kill-on-bad-exit=1", script, "small.toml", "--out", "out"]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert run.returncode == 0, run.stderr
+    assert 1 <= len(assert_complete(here / "out")) <= 2
+    assert {path.name for path in here.iterdir()} == {"cluster.toml", "out", "small.toml"}
+
+
+def test_too_few_ranks_are_refused(slurm, here):
+    script = ROOT / "scripts" / "slurm-allocation"
+    run = subprocess.run(
+        ["srun", "--ntasks=2", script, "small.toml"], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert run.returncode == 2
+    assert "--ntasks = 2: must be at least 3: scheduler, driver and a worker" in run.stderr
+    assert not (here / "runs").exists()
