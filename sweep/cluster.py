@@ -9,6 +9,7 @@ import logging
 import os
 import signal
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
@@ -50,6 +51,10 @@ class Workers:
         """How many tasks can run at once, also by workers that are still on their way."""
         threads: dict[str, int] = self._client.nthreads()
         return max(self._most, sum(threads.values()))
+
+    def processor_seconds(self) -> list[float]:
+        """Return what each worker process has used of processor time so far [s]."""
+        return list(self._client.run(time.process_time).values())
 
     def submit(self, task: Task, place: Place) -> None:
         """Hand a task out; a later attempt has a key of its own, as Dask remembers why a key died."""
