@@ -57,14 +57,14 @@ def test_figures_are_files_that_are_not_blank(study):
 
 
 def test_figures_of_an_earlier_state_go(study):
-    directory = study.write()
+    directory = study.write(lost=("moving-roughness", "moving-roughness-uncorrelated", "full"))
     ingest(directory)
     (directory / "figures").mkdir()
     (directory / "figures" / "figure-04-receptance-old.png").touch()
     (directory / "figures" / "mine.png").touch()
     draw(directory)
     left = {path.name for path in (directory / "figures").iterdir()}
-    assert left == {"mine.png", *(f"{name}.png" for name in PAPER)}
+    assert left == {"mine.png", *(f"{name}.png" for name in PAPER[:3])}
 
 
 def test_axes_with_several_values_are_in_the_name(study):
@@ -227,7 +227,6 @@ def test_names_are_not_read_as_mathematics(study):
 def test_results_that_are_missing_leave_their_curve_out(study):
     directory = study.write(lost=("moving-roughness",))
     ingest(directory)
-    draw(directory)
     with database.connect(directory) as connection:
         figure = plots.rail(connection, ["greby"], CASE, ["moving-roughness", "full"])
     assert set(lines(figure.axes[0])) == {"#000000"}
