@@ -7,6 +7,7 @@ a certificate made for the run, which the workers find in the results directory.
 import logging
 import shutil
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -16,6 +17,7 @@ import asyncssh
 import dask
 import dask_jobqueue
 from distributed import Client, LocalCluster, Scheduler, SpecCluster
+from distributed.core import Status
 from distributed.deploy import ssh
 from distributed.security import Security
 
@@ -25,6 +27,7 @@ from sweep.cluster_file import LOOPBACK, ClusterFile, Local, Queue, Ssh
 
 SCALING = {"interval": "1s", "target_duration": "1s"}
 """How often the number of workers is considered, and the work per worker that is worth another one."""
+POLL_S = 0.2
 FOLDER = "cluster"
 """Of a results directory: what the jobs print, and while they run their certificate."""
 SYSTEMS: dict[str, type[dask_jobqueue.JobQueueCluster]] = {
@@ -75,6 +78,7 @@ def crew(
     """
     folder = directory.resolve() / FOLDER
     served = file.dashboard or (f"{LOOPBACK}:0" if dashboard else None)
+    first = _First()
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(cluster.SETTINGS))
         if isinstance(file, Local):
@@ -86,7 +90,15 @@ def crew(
                 dask_cluster = stack.enter_context(_ssh(file, listening, security))
             else:
                 options = job_options(file, folder, security)
-                dask_cluster = stack.enter_context(SYSTEMS[file.kind](scheduler_options=listening, **options))
+                system = SYSTEMS[file.kind]
+                dask_cluster = stack.enter_context(
+                    system(
+                        job_cls=_telling(system.job_cls, first),
+                        scheduler_options=listening,
+                        silence_logs=logging.CRITICAL,
+                        **options,
+                    )
+                )
         if isinstance(file, Ssh):
             most = len(file.hosts) * file.workers_per_host
         else:
@@ -98,9 +110,42 @@ def crew(
         if isinstance(file, Queue):
             print(f"waiting for the first job of {file.kind}", file=sys.stderr, flush=True)
             client.register_plugin(drain.Drain(file.walltime_minutes * 60.0, file.drain_minutes * 60.0))
-        client.wait_for_workers(1)
+        first.wait(client)
         cluster.warm_up(client, kinds)
         yield cluster.Workers(client, most)
+
+
+def _telling(job: type[dask_jobqueue.core.Job], first: "_First") -> type[dask_jobqueue.core.Job]:
+    """Return a kind of job that tells when the batch system refuses it; Dask by itself tries for ever."""
+
+    class Telling(job):  # type: ignore[misc]
+        async def start(self) -> None:
+            try:
+                await super().start()
+            except RuntimeError as error:
+                said = [line for line in str(error).partition("stderr:")[2].splitlines() if line]
+                first.refusal = said[0] if said else str(error)
+                self.status = Status.failed
+                if not first.awaited:
+                    raise
+
+    return Telling
+
+
+class _First:
+    """The first worker, for which a run in a long queue may wait for hours."""
+
+    def __init__(self) -> None:
+        self.awaited = True
+        self.refusal: str | None = None
+
+    def wait(self, client: Client) -> None:
+        """Wait until it is there, or its job is refused."""
+        while not client.nthreads():
+            if self.refusal is not None:
+                raise InputError(f"--cluster: a job is refused: {self.refusal}")
+            time.sleep(POLL_S)
+        self.awaited = False
 
 
 def _local(file: Local, dashboard: str | None) -> LocalCluster:

@@ -110,3 +110,11 @@ def test_too_few_ranks_are_refused(slurm, here):
     assert run.returncode == 2
     assert "--ntasks = 2: must be at least 3: scheduler, driver and a worker" in run.stderr
     assert not (here / "runs").exists()
+
+
+def test_a_job_that_slurm_refuses_is_told(slurm, here):
+    (here / "cluster.toml").write_text(CLUSTER.format(root=ROOT) + 'queue = "nope"', encoding="utf-8")
+    result = invoke("run", "small.toml", "--cluster", "cluster.toml")
+    assert result.exit_code == 2
+    assert "a job is refused: sbatch: error: invalid partition specified: nope" in result.output
+    assert workers() == []
