@@ -1,0 +1,1 @@
+"""Speed on this machine, beside what a user could run instead and what the machine could do at most."""

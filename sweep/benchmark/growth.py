@@ -1,0 +1,164 @@
+"""Section 4: time and memory against the size of a study, axis by axis."""
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railvib import library
+from railvib.bands import midbands
+from railvib.rational_fit import fit_flexibility
+from railvib.spectra import line_step, lines
+from railvib.strip import strip_compliances
+from sweep.benchmark import soils, studies
+from sweep.benchmark.figures import Figure, slope, timed
+from sweep.benchmark.fourier_grid import OFFSETS
+from sweep.benchmark.sizes import Size
+from sweep.benchmark.studies import Ran
+from sweep.benchmark.study_text import PAPER_SOILS, study
+from sweep.benchmark.transfer import FIT_TOLERANCE, SOILS, TRACK, wavenumbers
+from sweep.study import KMH
+
+SECTION = "growth"
+SLOPE = 1.05
+"""Linear, with a margin for what a few samples leave open."""
+SPEEDS, OFFSETS_TOTAL, LAYERS_TOTAL = 2.5, 2.0, 1.3
+_SPEEDS_KMH = (80.0, 232.0)
+
+
+def measure(size: Size) -> Iterator[Figure]:
+    """Yield total and computing seconds and memory at every value of every axis, and their slopes."""
+    yield from _wavenumbers(size)
+    with tempfile.TemporaryDirectory() as folder:  # whatever is to be compiled, is now
+        run(size, "speeds", 1, Path(folder) / "first")
+    for axis, values in size.growth.items():
+        if axis == "wavenumbers":
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            runs = [run(size, axis, value, Path(folder) / str(i)) for i, value in enumerate(values)]
+            yield from _figures(axis, values, runs)
+            if axis == "speeds":
+                yield from _marginal(size, values, runs)
+
+
+def run(size: Size, axis: str, value: float, directory: Path) -> Ran:
+    """Run the study that has this value on one axis and one thing on every other."""
+    # Else in the process itself: what growth adds is then not hidden behind another core.
+    workers = int(value) if axis == "workers" else 0
+    return studies.run(text(size, axis, value), directory, workers)
+
+
+def text(size: Size, axis: str, value: float) -> str:
+    """Return the study that has this value on one axis and one thing on every other."""
+    varied: dict[str, Any] = {"bands_hz": size.bands_hz, "offsets_m": size.offsets_m}
+    count = int(value)
+    match axis:
+        case "frequencies":
+            varied["bands_hz"] = (size.bands_hz[0], value)
+        case "offsets":
+            varied["offsets_m"] = np.linspace(0.0, 100.0, count).round(6).tolist()
+        case "layers":
+            varied |= {"soils": ["graded"], "definitions": {"soil.graded": soils.graded(count)}}
+        case "vehicles":
+            group = {"vehicle": "regina", "number": count}
+            varied |= {"trains": ["long"], "definitions": {"train.long": group}}
+        case "trains":
+            names = [f"train-{i}" for i in range(count)]
+            varied |= {"trains": names, "definitions": _trains(names)}
+        case "soils":
+            names = [f"soil-{i}" for i in range(count)]
+            made = {f"soil.{name}": soils.graded(3, 1.0 + 0.1 * i) for i, name in enumerate(names)}
+            varied |= {"soils": names, "definitions": made}
+        case "speeds":
+            varied["speeds_kmh"] = speeds_kmh(count)
+        case "workers":
+            varied["soils"] = PAPER_SOILS
+        case _:
+            raise ValueError(axis)
+    return study(**varied)
+
+
+def speeds_kmh(number: int) -> list[float]:
+    """Return speeds from 150 km/h outward over the usual range, km/h."""
+    return [150.0] if number == 1 else np.linspace(*_SPEEDS_KMH, number).round(3).tolist()
+
+
+def _trains(names: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return trains that differ in the distances of their axles, four vehicles each."""
+    parameters = dict(library.entry("vehicle", "regina").parameters)
+    made: dict[str, dict[str, Any]] = {}
+    for i, name in enumerate(names):
+        spacing = parameters["axle_spacing_m"] * (1.0 - 0.02 * i)
+        made[f"vehicle.{name}"] = {**parameters, "axle_spacing_m": round(spacing, 4)}
+        made[f"train.{name}"] = {"vehicle": name, "number": 4}
+    return made
+
+
+def _figures(axis: str, values: Sequence[float], runs: Sequence[Ran]) -> Iterator[Figure]:
+    """Yield what each value took, the slopes, and the ratios that are aimed at."""
+    series = {
+        ("total", "wall", "s"): [run.wall_s for run in runs],
+        ("total", "cpu", "s"): [run.cpu_s for run in runs],
+        ("tasks", "cpu", "s"): [run.computing_s for run in runs],
+        ("total", "peak memory of a process", "MB"): [run.peak_bytes / 1e6 for run in runs],
+    }
+    for (item, quantity, unit), found in series.items():
+        for value, each in zip(values, found, strict=True):
+            yield Figure(SECTION, item, f"{axis} = {value:g}", quantity, unit, (each,))
+        exponent = slope(values, found)
+        aim = SLOPE if quantity == "cpu" and axis != "workers" else None
+        yield Figure(SECTION, item, axis, f"slope of {quantity}, log-log axes", "1", (exponent,), at_most=aim)
+    total = series["total", "cpu", "s"]
+    if axis == "speeds":
+        name = f"{values[-1]:g} speeds over {values[0]:g}, cpu"
+        yield Figure(SECTION, "total", axis, name, "1", (total[-1] / total[0],), at_most=SPEEDS)
+    if axis == "offsets":
+        name = f"{values[-1]:g} offsets over {values[0]:g}, cpu"
+        yield Figure(SECTION, "total", axis, name, "1", (total[-1] / total[0],), at_most=OFFSETS_TOTAL)
+    if axis == "layers":
+        doubled = (total[-1] / total[0]) ** (1.0 / np.log2(values[-1] / values[0]))
+        name = "doubling, cpu"
+        yield Figure(SECTION, "total", axis, name, "1", (float(doubled),), at_most=LAYERS_TOTAL)
+
+
+def _marginal(size: Size, values: Sequence[float], runs: Sequence[Ran]) -> Iterator[Figure]:
+    """Yield what one more speed costs each approach, per 1,000 narrow-band lines of it."""
+    length = library.load("train", "grona-taget").length
+    band = midbands(*size.bands_hz)
+
+    def line_count(number: float) -> int:
+        return sum(lines(band, line_step(length, speed / KMH)).size for speed in speeds_kmh(int(number)))
+
+    added = line_count(values[-1]) - line_count(values[0])
+    for approach, whole in runs[-1].approaches.items():
+        spent = 1e3 * (whole - runs[0].approaches[approach]) / added
+        yield Figure(SECTION, approach, "one more speed", "cpu per 1,000 lines", "s", (spent,))
+
+
+def _wavenumbers(size: Size) -> Iterator[Figure]:
+    """Yield the time of the tables of one frequency against the number of wavenumbers."""
+    ground, track = library.load("soil", SOILS[-1]), library.load("track", TRACK)
+    fit = fit_flexibility(ground, 20.0, FIT_TOLERANCE)
+    values = size.growth["wavenumbers"]
+    found = []
+    for value in values:
+        beta = wavenumbers(ground, track, 20.0, int(value))
+        call = partial(
+            strip_compliances, beta, fit.pole, fit.residue, fit.constant, track.half_width, OFFSETS
+        )
+        spent = timed(call, size.samples)
+        found.append(spent.cpu)
+        yield Figure(SECTION, "strip compliances", f"wavenumbers = {value:g}", "cpu", "s", spent.cpu_s)
+    exponent = slope(values, found)
+    yield Figure(
+        SECTION,
+        "strip compliances",
+        "wavenumbers",
+        "slope of cpu, log-log axes",
+        "1",
+        (exponent,),
+        at_most=SLOPE,
+    )
