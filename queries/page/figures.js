@@ -104,13 +104,13 @@ const figures = {
     const z = rows.map(([, number, receiver]) => errors(number, state.heatApproach, state.contribution, receiver));
     if (state.heatApproach < 0 || !z.some(some)) return nothing("no errors here: the approach or the reference has no results");
     const limit = Math.max(3, Math.min(15, ...[Math.max(...z.flat().filter((value) => value !== null).map(Math.abs))]));
-    const written = rows.length <= 12 && innerWidth > 700;
+    const written = rows.length <= 12 && viewWidth() > 700;
     return { traces: [{ type: "heatmap", z, x: page.band_names, y: rows.map((row) => escaped(row[0])), zmid: 0, zmin: -limit, zmax: limit,
       colorscale: [[0, "#4393c3"], [0.25, "#92c5de"], [0.5, "#f7f7f7"], [0.75, "#f4a582"], [1, "#d6604d"]], xgap: 1, ygap: 1,
       ...(written ? { texttemplate: "%{z:.0f}", textfont: { size: 11, color: "#000" } } : {}),
       hovertemplate: "%{y}, %{x} Hz: %{z:+.1f} dB<extra></extra>",
       colorbar: { title: { text: "dB", font: { size: 12 } }, thickness: 12, outlinewidth: 0, tickfont: { size: 12 } } }],
-    layout: layout(Math.max(220, 110 + 30 * Math.min(rows.length, 18)), { xaxis: axis("one-third octave [Hz]", { type: "category", tickangle: 0, tickvals: page.band_names.filter((_, band) => band % (innerWidth > 700 ? 1 : 3) === 0) }),
+    layout: layout(Math.max(220, 110 + 30 * Math.min(rows.length, 18)), { xaxis: axis("one-third octave [Hz]", { type: "category", tickangle: 0, tickvals: page.band_names.filter((_, band) => band % (viewWidth() > 700 ? 1 : 3) === 0) }),
       yaxis: axis("", { type: "category", autorange: "reversed", ticks: "" }), margin: { l: 30, r: 10, t: 14, b: 48 } }) };
   },
 
@@ -154,7 +154,7 @@ const figures = {
       return [{ ...common, y: each.magnitude, hovertemplate: "%{x:.3g} Hz: %{y:.3g}e-9 m/N" },
         { ...common, y: each.phase, xaxis: "x2", yaxis: "y2", showlegend: false, hovertemplate: "%{x:.3g} Hz: %{y:.3g} rad" }];
     });
-    const rows = panels(["magnitude", "phase"], innerWidth > 560 ? 2 : 1, 290, ["standing load", "load moving at 150 km/h"], (at, _, bottom) =>
+    const rows = panels(["magnitude", "phase"], viewWidth() > 560 ? 2 : 1, 290, ["standing load", "load moving at 150 km/h"], (at, _, bottom) =>
       [bandAxis(bottom ? "frequency [Hz]" : ""), axis(at ? "phase [rad]" : "magnitude [1e-9 m/N]", at ? {} : { rangemode: "tozero" })], 0.17);
     return { traces, layout: rows };
   },
@@ -177,7 +177,7 @@ const figures = {
 
 /** A panel per receiver, with a line per approach and one range of levels. */
 function small(state, receivers, titles, most, height, quantity) {
-  const columns = Math.min(most, receivers.length, innerWidth > 900 ? most : innerWidth > 560 ? 2 : 1);
+  const columns = Math.min(most, receivers.length, viewWidth() > 900 ? most : viewWidth() > 560 ? 2 : 1);
   const decibel = decibelOf(quantity, state);
   const contribution = quantity === "velocity" ? state.contribution : 0;
   const traces = [];

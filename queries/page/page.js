@@ -113,16 +113,19 @@ document.addEventListener("change", (event) => {
 document.addEventListener("submit", (event) => event.preventDefault());
 for (const button of document.querySelectorAll(".sortable th button")) button.addEventListener("click", () => sortBy(button));
 
-const PRINT_WIDTH = 680;
 addEventListener("beforeprint", () => {
+  printing = true;
+  draw();
   for (const plot of document.querySelectorAll(".plot")) Plotly.relayout(plot, { width: PRINT_WIDTH, autosize: false });
 });
 addEventListener("afterprint", () => {
+  printing = false;
+  draw();
   for (const plot of document.querySelectorAll(".plot")) Plotly.relayout(plot, { width: null, autosize: true });
 });
 let wide = innerWidth;
 addEventListener("resize", () => {
-  if (innerWidth === wide) return;
+  if (printing || innerWidth === wide) return;
   wide = innerWidth;
   draw();  // the number of columns follows the width
   for (const plot of document.querySelectorAll(".plot")) Plotly.Plots.resize(plot);

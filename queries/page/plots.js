@@ -2,6 +2,9 @@
 "use strict";
 
 const TEXT = "#1b1f24", QUIET = "#515a64", GRID = "#e4e8ec";
+const PRINT_WIDTH = 680;  // px of an A4 page between its margins
+let printing = false;
+const viewWidth = () => (printing ? PRINT_WIDTH : innerWidth);
 const CONFIG = { responsive: true, displayModeBar: false, doubleClick: "reset" };
 
 function axis(title, more = {}) {
@@ -59,7 +62,7 @@ function panels(titles, columns, height, labels, axes, gap = 0.07) {
   const rows = Math.ceil(titles.length / columns);
   const result = { annotations: [] };
   // The legend stands above the titles, in as many lines as its entries need.
-  const room = Math.min(innerWidth, 1280) / (gap > 0.1 ? 2 : 1) - 100;
+  const room = Math.min(viewWidth(), 1280) / (gap > 0.1 ? 2 : 1) - 100;
   const legendLines = Math.ceil(labels.reduce((sum, label) => sum + 55 + 7 * label.length, 0) / room);
   const above = 30 + 21 * legendLines, inside = rows * height - 40;
   const gapX = columns > 1 ? gap : 0, gapY = rows > 1 ? 76 / inside : 0;
