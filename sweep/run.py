@@ -1,6 +1,7 @@
 """A run from study to manifest: check the directory, plan, compute what is missing, and say how it went."""
 
 import json
+import math
 import os
 import platform
 import secrets
@@ -38,6 +39,8 @@ LIBRARIES = (
     "duckdb",
 )
 DONE, FAILED, INTERRUPTED = 0, 1, 130
+MOST_CASES = 200_000
+"""Of one study; the plan of a case takes some 54 kB of the driver's memory."""
 REPAIRS = 3
 """How often a run plans anew because stored results were found damaged."""
 
@@ -85,6 +88,7 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None, compl
         If the directory belongs to another study, or to something else, or the store cannot be used.
     """
     check_directory(directory, resolved.study.study.name)
+    check_number(resolved)
     store = location.address(store) if store else next(map(str, records.homes(directory)[1:]), None)
     present = records.listed(directory)
     if store:
@@ -98,6 +102,24 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None, compl
     }
     made = plan.make(wanted.values(), units.KINDS, present, complete)
     return Request(resolved, cases, wanted, made, store)
+
+
+def check_number(resolved: Resolved) -> None:
+    """Check that a study has not more cases than the driver's memory can plan.
+
+    Raises
+    ------
+    InputError
+        Naming the longest axis.
+    """
+    axes = {name: getattr(resolved.study.sweep, name) for name in type(resolved.study.sweep).model_fields}
+    number = math.prod(map(len, axes.values()))
+    if number > MOST_CASES:
+        longest = max(axes, key=lambda name: len(axes[name]))
+        raise InputError(
+            f"sweep.{longest}: {len(axes[longest])} values make {number} cases; must be at most {MOST_CASES}:"
+            " split this axis over studies that share a --store"
+        )
 
 
 def check_directory(directory: Path, name: str) -> None:

@@ -152,3 +152,15 @@ def test_the_plan_tells_time_and_memory(tmp_path):
     output = invoke("plan", tmp_path / "small.toml", "--out", tmp_path / "out").output
     assert re.search(r"memory +\d+ MB per worker at most", output)
     assert re.search(r"processor +[\d.]+ s, .* with \d+ workers, from a pilot of [\d.]+ s", output)
+
+
+def test_too_many_cases_are_refused_before_they_are_counted_out(tmp_path):
+    axes = tomllib.loads(STUDY)["sweep"]
+    speeds = {"start": 10, "stop": 110, "number": 100_000}
+    with pytest.raises(
+        InputError, match=r"sweep\.speed_kmh: 100000 values make 400000 cases; must be at most"
+    ):
+        request(
+            tmp_path,
+            sweep=axes | {"speed_kmh": speeds, "unevenness": [f"fra-hamid-yang-{n}" for n in (1, 2, 3, 4)]},
+        )
