@@ -4,6 +4,7 @@ from collections.abc import Callable, Generator, Iterator
 from functools import partial
 
 import numpy as np
+import psutil
 
 from railvib import blocks, library, threads
 from railvib.ground import Ground
@@ -168,13 +169,15 @@ def _textbook(own: _Own, case: str, size: Size) -> Generator[Figure, None, dict[
     yield Figure(SECTION, item, case, "rows", "1", (float(grid.rows),))
     yield Figure(SECTION, item, case, "columns", "1", (float(grid.columns),))
     yield Figure(SECTION, item, case, "table", "GB", (grid.table_bytes / 1e9,))
+    over = grid.table_bytes / psutil.virtual_memory().total
+    yield Figure(SECTION, item, case, "table over this machine's memory", "1", (over,))
     spent: dict[str, float] = {}
     ways: dict[str, Flexibility] = {
         "textbook, Q33 of railvib": fourier_grid.kernel(own.ground, own.omega),
         "textbook, Q33 in NumPy": _in_numpy(own),
     }
     for name, flexibility in ways.items():
-        rows, found, times = _rows(flexibility, own, grid, size)
+        quick, rows, found, times = _rows(flexibility, own, grid, size)
         exact = fourier_grid.closed_form(own.fit, own.track.half_width, rows)
         error = float((np.abs(found - exact) / np.abs(exact[:, :1])).max())
         yield Figure(SECTION, name, case, "error", "1", (error,), at_most=ERROR)
@@ -185,7 +188,21 @@ def _textbook(own: _Own, case: str, size: Size) -> Generator[Figure, None, dict[
         yield Figure(SECTION, name, case, "rows measured", "1", (float(min(rows.size, grid.rows)),))
         yield Figure(SECTION, name, case, "cpu, all rows", "s", whole)
         spent[name] = float(np.median(whole))
+        if float(np.median(times)) <= size.textbook_s:
+            every = timed(partial(_whole, quick, grid), 1, 0.0).cpu / float(np.median(times))
+            yield Figure(SECTION, name, case, "all rows measured, over extrapolated", "1", (every,))
     return spent
+
+
+Way = Callable[[np.ndarray], np.ndarray]
+"""Returns C(β, y) at some rows of the grid."""
+
+
+def _whole(way: Way, grid: Grid) -> None:
+    """Compute all of a table."""
+    together = min(grid.rows_together, grid.rows)
+    for start in range(0, grid.rows, together):
+        way(np.arange(start, min(start + together, grid.rows)) * grid.along)
 
 
 def _in_numpy(own: _Own) -> Flexibility:
@@ -199,8 +216,8 @@ def _in_numpy(own: _Own) -> Flexibility:
 
 def _rows(
     flexibility: Flexibility, own: _Own, grid: Grid, size: Size
-) -> tuple[np.ndarray, np.ndarray, tuple[float, ...]]:
-    """Compute blocks of rows spread over the grid; return β, values and CPU seconds of all rows, per block.
+) -> tuple[Way, np.ndarray, np.ndarray, tuple[float, ...]]:
+    """Compute blocks of rows spread over the grid; return the way, β, values, seconds of all rows by block.
 
     Rows cost the same wherever they lie, so blocks are samples, and the time of all rows is that of a block
     times their number: most tables take too long, and the largest do not fit in memory. Transforms and sums
@@ -209,7 +226,7 @@ def _rows(
     b = own.track.half_width
     together = min(grid.rows_together, grid.rows)
     cosines = fourier_grid.cosines(grid)
-    ways: list[Callable[[np.ndarray], np.ndarray]] = [
+    ways: list[Way] = [
         lambda beta: fourier_grid.by_transform(flexibility, b, beta, grid),
         lambda beta: fourier_grid.by_sums(flexibility, b, beta, grid, cosines),
     ]
@@ -224,4 +241,4 @@ def _rows(
             found.append(quick(beta))
             spent = timed(partial(quick, beta), 1, size.textbook_s / size.samples).cpu
             times.append(spent * grid.rows / together)
-    return np.concatenate(rows), np.concatenate(found), tuple(times)
+    return quick, np.concatenate(rows), np.concatenate(found), tuple(times)
