@@ -195,8 +195,12 @@ def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Trans
 
 
 def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
+    block = int(inputs["block"])
+    if "cross_section" in inputs:
+        # Loads stand, and a table's halo reaches as far as the receptances': nothing else is read.
+        return _transfer_units(_model(inputs), RAIL, range(block, block + 1))
     track = Track(**inputs["track"])
-    highest = highest_tabulated_frequency(track, blocks.reach(int(inputs["block"])), inputs["speed"])
+    highest = highest_tabulated_frequency(track, blocks.reach(block), inputs["speed"])
     return _transfer_units(_model(inputs), RAIL, blocks.up_to(highest))
 
 
