@@ -1,66 +1,66 @@
-"""Why the FE/BE model differs from the semi-analytical one: one step at a time, from the one to the other.
+"""Why the FE/BE model differs from the semi-analytical one: one assumption after the other is dropped.
 
     .venv/bin/python studies/fe_be_causes.py [SOIL …]
 
-prints, for the paper's track, train and speed, the change of the moving roughness's level in each one-third
-octave that each step makes, and their sum. docs/theory/fe-be.md discusses the table.
+prints, for the paper's track, the change in dB of the rail's receptance under the load, and of the ground's
+mean square along the line per unit load, ∫ |H̃_G|² dβ, that each step makes. docs/theory/fe-be.md discusses it.
 """
 
 import sys
 
 import numpy as np
 
-import railvib
 from railvib import library
 from railvib.cross_section import CrossSection
+from railvib.fe_be import fe_be_response
+from railvib.ground import Ground
+from railvib.panels import WEIGHT, nodes_between
+from railvib.track import Track
 
+FREQUENCIES = (2.0, 5.0, 10.0, 16.0, 20.0, 31.5, 40.0, 63.0, 80.0, 100.0)
+OFFSETS = (8.0, 32.0)
 MESH = {"elements": 4, "rows": 2}
 """Within 0.1 dB of the verification study's mesh."""
+FIRST = CrossSection(bed="columns", contact="smooth", displacement="centre", elements=1)
 STEPS = {
-    "width's average for the centre": CrossSection(bed="columns", contact="smooth", elements=1),
-    "rigid sleeper on columns": CrossSection(bed="columns", contact="smooth", elements=4),
+    "average for centre": CrossSection(bed="columns", contact="smooth", elements=1),
+    "rigid sleeper": CrossSection(bed="columns", contact="smooth", elements=4),
     "continuous ballast": CrossSection(contact="smooth", poisson_ratio=0.0, **MESH),
     "horizontal tractions": CrossSection(poisson_ratio=0.0, **MESH),
     "Poisson's ratio 0.2": CrossSection(**MESH),
 }
 
 
-def levels(
-    soil: str, approach: str, section: CrossSection | None
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return midbands and the levels in dB of the leading axle's force, the rail and the ground."""
-    case = railvib.predict(
-        ground=library.load("soil", soil),
-        track=library.load("track", "ballasted-paper"),
-        train=library.load("train", "grona-taget"),
-        unevenness=library.load("unevenness", "fra-hamid-yang-3"),
-        speed=150.0 / 3.6,
-        offsets=[8.0, 32.0],
-        approaches=[approach],
-        tolerance=1e-2,
-        cross_section=section,
+def levels(ground: Ground, track: Track, section: CrossSection, frequency: float) -> np.ndarray:
+    """Return the levels in dB of the rail under the load, and of the ground at each offset."""
+    waves = np.array([0.2, 0.4, 0.6, 0.75, 0.85, 0.92, 0.96, 1.0, 1.05, 1.15, 1.4, 2.0, 3.0])
+    edge = np.concatenate([[0.0], 2.0 * np.pi * frequency / ground.slowest_speed * waves])
+    edge = np.unique([*edge, *np.geomspace(max(edge[-1], 0.5), 20.0, 6)])
+    edge = edge[edge <= 20.0]
+    beta, weight = nodes_between(edge), (0.5 * np.diff(edge)[:, None] * WEIGHT).ravel()
+    found = fe_be_response(ground, track, section, frequency, beta, OFFSETS)
+    return np.array(
+        [20.0 * np.log10(abs(found.rail @ weight)), *10.0 * np.log10(abs(found.ground) ** 2 @ weight)]
     )
-    velocity = case.velocity_mean_square.sel(contribution="dynamic").isel(approach=0)
-    found = {str(name): velocity.sel(receiver=name).values for name in velocity.receiver.values}
-    found["force, leading axle"] = case.force_mean_square.isel(approach=0).sel(axle=1).values
-    return case.band.values, {name: 10.0 * np.log10(value) for name, value in found.items()}
 
 
 def main(soils: list[str]) -> None:
-    """Print the steps of each soil and receiver."""
+    """Print a table per soil and receiver: what each step adds, and their sum."""
+    track = library.load("track", "ballasted-paper")
     for soil in soils:
-        band, before = levels(soil, "moving-roughness", None)
-        first, steps = before, {}
-        for name, section in STEPS.items():
-            _band, after = levels(soil, "fe-be", section)
-            steps[name] = {key: after[key] - before[key] for key in after}
-            before = after
-        for key in first:
-            print(f"\n{soil}, {key}: change of level, dB")
-            print("| " + " | ".join(["Hz", *(f"{each:.3g}" for each in band)]) + " |")
-            print("|" + " --- |" * (band.size + 1))
-            for name, change in {**steps, "together": {k: before[k] - first[k] for k in first}}.items():
-                print("| " + " | ".join([name, *(f"{each:.1f}" for each in change[key])]) + " |", flush=True)
+        ground = library.load("soil", soil)
+        level = np.array(
+            [
+                [levels(ground, track, section, frequency) for frequency in FREQUENCIES]
+                for section in (FIRST, *STEPS.values())
+            ]
+        )
+        change = np.concatenate([np.diff(level, axis=0), level[-1:] - level[:1]])
+        for column, name in enumerate(("rail", *(f"ground, {offset:g} m" for offset in OFFSETS))):
+            print(f"\n| {soil}, {name}, Hz | " + " | ".join(f"{each:g}" for each in FREQUENCIES) + " |")
+            print("|" + " --- |" * (len(FREQUENCIES) + 1))
+            for row, step in enumerate((*STEPS, "together")):
+                print(f"| {step} | " + " | ".join(f"{each:.1f}" for each in change[row, :, column]) + " |")
 
 
 if __name__ == "__main__":
