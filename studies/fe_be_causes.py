@@ -3,7 +3,8 @@
     .venv/bin/python studies/fe_be_causes.py [SOIL …]
 
 prints, for the paper's track, the change in dB of the rail's receptance under the load, and of the ground's
-mean square along the line per unit load, ∫ |H̃_G|² dβ, that each step makes. docs/theory/fe-be.md discusses it.
+mean square along the line per unit load, ∫ |H̃_G|² dβ, that each step makes; see
+docs/theory/fe-be.md.
 """
 
 import sys
