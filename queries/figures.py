@@ -13,8 +13,9 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_all_start_methods, get_context
+from multiprocessing import get_all_start_methods, get_context, parent_process
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import duckdb
@@ -46,6 +47,18 @@ class Drawing:
     draw: Callable[[], "Figure"]
 
 
+def _end_with_parent() -> None:
+    """Let a process of a pool end when the one that it draws for has been killed; it would wait for ever."""
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
+
+
 class Crew:
     """Processes that draw figures; made early, they load the plotting library while other work goes on.
 
@@ -61,7 +74,7 @@ class Crew:
             kinds = get_all_start_methods()
             context = get_context("forkserver" if "forkserver" in kinds else "spawn")
             context.set_forkserver_preload(["__main__", __name__])  # loaded once for all
-            self._pool = ProcessPoolExecutor(workers, mp_context=context)
+            self._pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
             for _ in range(workers):
                 self._pool.submit(os.getpid)
 

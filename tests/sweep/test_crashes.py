@@ -203,6 +203,7 @@ def test_a_driver_killed_inside_the_database_write(folder, undisturbed):
     (directory / "results.duckdb").unlink(missing_ok=True)
     process = driver.start(folder, "resume", "out", "--workers", 0, before=IN_THE_DATABASE)
     assert driver.ended(process)[0] == -signal.SIGKILL
+    assert driver.left_behind(process.pid) == []
     assert list(directory.glob("results.duckdb.*.partial"))
     assert not (directory / "results.duckdb").exists()
     assert invoke("status", "--verify", directory).exit_code == 1
