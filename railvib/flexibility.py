@@ -154,6 +154,15 @@ def surface_flexibility(r, omega, stack, rigid):
     return -psv_flexibility(r, omega, stack, rigid)[3]
 
 
+@numba.njit(cache=True, error_model="numpy")
+def complex_flexibilities(r, omega, stack, rigid):
+    """Return Q33 of many complex wavenumbers r (n,), one by one: lanes of them are not worth compiling."""
+    out = np.empty(r.shape[0], np.complex128)
+    for i in range(r.shape[0]):
+        out[i] = surface_flexibility(r[i], omega, stack, rigid)
+    return out
+
+
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def surface_flexibilities(r, omega, stack, rigid):
     """Return Q33 of many real wavenumbers r (n,), all at one frequency, as a complex array (n,)."""

@@ -82,24 +82,41 @@ def _cosine_integrals(edge, transfer, distance):
     cosine = np.empty((receivers, distance.shape[0]))
     sine = np.zeros((receivers, distance.shape[0]))
     squared = np.empty((receivers, panels, ORDER))
-    size = np.empty(panels)
+    centre = np.empty(panels)
+    half = np.empty(panels)
+    needed = np.empty(panels, np.bool_)
     for i in range(lines):
-        half = 0.5 * (edge[i, 1:] - edge[i, :-1])
-        centre = 0.5 * (edge[i, 1:] + edge[i, :-1])
-        kept = np.zeros(panels, np.bool_)
+        needed[:] = False
         for q in range(receivers):
-            for p in range(panels):
-                size[p] = 0.0
+            _mark_panels(edge[i], transfer[q, i], squared[q], needed)
+        kept = 0
+        for p in range(panels):
+            if not needed[p]:
+                continue
+            half[kept] = 0.5 * (edge[i, p + 1] - edge[i, p])
+            centre[kept] = 0.5 * (edge[i, p + 1] + edge[i, p])
+            for q in range(receivers):
                 for j in range(ORDER):
-                    h = transfer[q, i, p * ORDER + j]
-                    squared[q, p, j] = h.real * h.real + h.imag * h.imag
-                    size[p] = max(size[p], half[p] * squared[q, p, j])
-            kept |= size > 1e-14 * size.sum()
-        some = np.flatnonzero(kept)
+                    squared[q, kept, j] = squared[q, p, j]
+            kept += 1
         cosine[:] = 0.0
-        fourier_integrals(centre[some], half[some], squared[:, some], distance, cosine, sine)
+        fourier_integrals(centre[:kept], half[:kept], squared, distance, cosine, sine)
         out[:, i] = cosine
     return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mark_panels(edge, transfer, squared, needed):
+    """Write |H̃|² of one receiver by panels, and mark those with more than a negligible share."""
+    total = 0.0
+    for p in range(squared.shape[0]):
+        for j in range(ORDER):
+            h = transfer[p * ORDER + j]
+            squared[p, j] = h.real * h.real + h.imag * h.imag
+        total += (edge[p + 1] - edge[p]) * squared[p].max()
+    for p in range(squared.shape[0]):
+        if (edge[p + 1] - edge[p]) * squared[p].max() > 1e-14 * total:
+            needed[p] = True
 
 
 def axle_pairs(integrals: LineIntegrals, axle_position: np.ndarray) -> np.ndarray:

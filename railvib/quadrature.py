@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import roots_legendre
 
-from railvib.flexibility import surface_flexibilities
+from railvib.flexibility import complex_flexibilities, surface_flexibilities
 from railvib.ground import Ground
 
 _COARSE_NODE, _COARSE_WEIGHT = roots_legendre(10)
@@ -139,8 +139,8 @@ def strip_compliance_by_quadrature(
         # splits into e^{+iγ…}, taken on this path, and e^{−iγ…}, taken on its mirror image below the real
         # axis.
         gamma = turn + (1.0 + 1.0j) * (1.0 - t) / t
-        upper = surface_flexibilities(np.sqrt(beta**2 + gamma**2), omega, stack, rigid)
-        lower = surface_flexibilities(np.sqrt(beta**2 + gamma.conj() ** 2), omega, stack, rigid)
+        upper = complex_flexibilities(np.sqrt(beta**2 + gamma**2), omega, stack, rigid)
+        lower = complex_flexibilities(np.sqrt(beta**2 + gamma.conj() ** 2), omega, stack, rigid)
         upper *= (1.0 + 1.0j) / (4.0j * np.pi * b * gamma * t**2)
         lower *= (1.0 - 1.0j) / (4.0j * np.pi * b * gamma.conj() * t**2)
         out = np.zeros((t.size, y.size), complex)

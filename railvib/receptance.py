@@ -257,7 +257,9 @@ def _moving_panels(rail: TransferFunction, frequency: np.ndarray, speed: float, 
     for f, block in zip(frequency, which, strict=True):
         table = rail.blocks[int(block)]
         slowness = table.edge[(table.edge > 0.0) & (table.edge <= 1.0)] * table.top_slowness
-        edges.append(_edges(slowness, 2.0 * np.pi * f, speed, largest))
+        edge = np.sort(_edges(slowness, 2.0 * np.pi * f, speed, largest))
+        edge = edge[np.abs(edge) <= largest]
+        edges.append(edge[np.diff(edge, prepend=-np.inf) > 1e-9 * largest])
     owner = np.repeat(np.arange(frequency.size), [each.size - 1 for each in edges])
     low = np.concatenate([each[:-1] for each in edges])
     high = np.concatenate([each[1:] for each in edges])
@@ -281,7 +283,7 @@ def _moving_panels(rail: TransferFunction, frequency: np.ndarray, speed: float, 
 
 @numba.njit(cache=True, error_model="numpy")
 def _edges(slowness, omega, speed, largest):
-    """Return panel edges over all β: the tables' slownesses as a moving load sees them, and powers of two."""
+    """Return edges in no order: the tables' slownesses as a moving load sees them, and powers of two."""
     reach = max(omega * slowness.max(), 1e-2)
     octaves = max(int(np.log2(largest / reach)), 1) if reach < largest else 0
     turn = omega / speed
@@ -299,10 +301,7 @@ def _edges(slowness, omega, speed, largest):
         far = reach * (largest / reach) ** (octave / octaves) if octaves > 0 else largest
         edge[n : n + 4] = (far, -far, turn + far, turn - far)
         n += 4
-    edge = np.sort(edge[:n][np.abs(edge[:n]) <= largest])
-    kept = np.ones(edge.size, np.bool_)
-    kept[1:] = np.diff(edge) > 1e-9 * largest
-    return edge[kept]
+    return edge[:n]
 
 
 def _tail_panels(track: Track, frequency: np.ndarray, speed: float, largest: np.ndarray) -> Panels:

@@ -113,6 +113,10 @@ def _products(edge, transfer, grid, at, weight):
                 for m in range(8):
                     value += lagrange[m] * line[first + m]
                 response[j, axle] = value
-        weighted = response * weight.reshape(-1, 1)
-        out[i] = response.conj().T @ weighted
+        for one in range(axles):
+            for other in range(axles):
+                total = 0j
+                for j in range(at.shape[0]):
+                    total += weight[j] * np.conj(response[j, one]) * response[j, other]
+                out[i, one, other] = total
     return out
