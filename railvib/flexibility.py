@@ -19,7 +19,7 @@ from railvib.ground import Ground
 from railvib.vector_math import LANES, cos_sin, exp, reciprocal, root
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _decay(k, h):
     """Return e^{−kh}, Re k ≥ 0."""
     size = exp(-min(k.real * h, 350.0))
@@ -27,7 +27,7 @@ def _decay(k, h):
     return complex(size * c, -size * s)
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _waves(r, e, m, ks2):
     """Return p, s and the downgoing basis of waves P and (P − SV)/k_s²: u_x, u_z, τ_xz, σ_zz of each."""
     r2 = r * r
@@ -40,7 +40,7 @@ def _waves(r, e, m, ks2):
     return p, s, one, two
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _quotient(u11, u12, u21, u22, t11, t12, t21, t22):
     """Return the matrix U T⁻¹."""
     d = reciprocal(t11 * t22 - t12 * t21)
@@ -52,14 +52,14 @@ def _quotient(u11, u12, u21, u22, t11, t12, t21, t22):
     )
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _half_space(r, e, m, ks2):
     """Return the flexibility of a half-space's surface."""
     _p, _s, (ux1, uz1, tx1, tz1), (ux2, uz2, tx2, tz2) = _waves(r, e, m, ks2)
     return _quotient(ux1, ux2, uz1, uz2, tx1, tx2, tz1, tz2)
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _propagator_coupling(p, s, e, h, ep, es):
     """Return (e^{−ph} − e^{−sh})/k_s², given both decays, without subtracting equals."""
     t = (p - s) * h
@@ -74,7 +74,7 @@ def _propagator_coupling(p, s, e, h, ep, es):
     return quotient * (h * (1.0 - e) * reciprocal(p + s))
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _layer(q11, q12, q21, q22, r, e, m, ks2, h):
     """Return the flexibility at a layer's top from that at its bottom."""
     p, s, (ux1, uz1, tx1, tz1), (ux2, uz2, tx2, tz2) = _waves(r, e, m, ks2)
@@ -118,7 +118,7 @@ def _layer(q11, q12, q21, q22, r, e, m, ks2, h):
     )
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _material(stack, layer, omega):
     """Return e, m, k_s² and h of a layer."""
     cs = stack[layer, 0]
@@ -196,7 +196,7 @@ def _through_layers(r, omega, stack, rigid, q):
                 _put(q, i, _layer(q11, q12, q21, q22, r[i], e, m, ks2, h))
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _put(q, i, flexibility):
     """Write the four entries of a flexibility to lane i."""
     q11, q12, q21, q22 = flexibility

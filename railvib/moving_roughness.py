@@ -85,10 +85,11 @@ def _cosine_integrals(edge, transfer, distance):
     centre = np.empty(panels)
     half = np.empty(panels)
     needed = np.empty(panels, np.bool_)
+    size = np.empty(panels)
     for i in range(lines):
         needed[:] = False
         for q in range(receivers):
-            _mark_panels(edge[i], transfer[q, i], squared[q], needed)
+            _mark_panels(edge[i], transfer[q, i], squared[q], size, needed)
         kept = 0
         for p in range(panels):
             if not needed[p]:
@@ -106,16 +107,19 @@ def _cosine_integrals(edge, transfer, distance):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _mark_panels(edge, transfer, squared, needed):
+def _mark_panels(edge, transfer, squared, size, needed):
     """Write |H̃|² of one receiver by panels, and mark those with more than a negligible share."""
     total = 0.0
     for p in range(squared.shape[0]):
         for j in range(ORDER):
             h = transfer[p * ORDER + j]
             squared[p, j] = h.real * h.real + h.imag * h.imag
-        total += (edge[p + 1] - edge[p]) * squared[p].max()
+        size[p] = 0.0
+        for j in range(ORDER):
+            size[p] = max(size[p], (edge[p + 1] - edge[p]) * squared[p, j])
+        total += size[p]
     for p in range(squared.shape[0]):
-        if (edge[p + 1] - edge[p]) * squared[p].max() > 1e-14 * total:
+        if size[p] > 1e-14 * total:
             needed[p] = True
 
 

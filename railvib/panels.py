@@ -38,6 +38,20 @@ def unresolved(value: np.ndarray) -> np.ndarray:
     return np.asarray(np.abs(coefficient[..., -2:]).max(axis=-1))
 
 
+@numba.njit(forceinline=True, error_model="numpy")
+def count_below(ascending, limit):
+    """Return how many of ascending values are below a limit."""
+    low = 0
+    high = ascending.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if ascending[middle] < limit:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def fourier_integrals(centre, half, value, distance, cosine, sine):
     """Add ∫ f cos(βd) dβ and ∫ f sin(βd) dβ over panels to `cosine` and `sine`.
@@ -72,7 +86,7 @@ def fourier_integrals(centre, half, value, distance, cosine, sine):
         h = half[p]
         if abs(h - width) > 1e-13 * h:
             width = h
-            near = np.searchsorted(distance, _MOST_PHASE / h)
+            near = count_below(distance, _MOST_PHASE / h)
             for j in range(pairs):
                 _cosines_and_sines(h * NODE[pairs + j], distance[:near], basis[2 * j], basis[2 * j + 1])
             _spherical_bessel(h, distance[near:], basis[:, near:])
@@ -147,7 +161,7 @@ def stencil_weights(t, weight):
     _barycentric_weights(t, _EQUIDISTANT, _BINOMIAL, weight)
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _barycentric_weights(x, node, factor, weight):
     """Write the weights for interpolation at x; on a node, that of all others is nothing."""
     total = 0.0
@@ -161,7 +175,7 @@ def _barycentric_weights(x, node, factor, weight):
         weight[m] *= total
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def lagrange_weights(t, weight):
     """Write the weights of eight equidistant points 0 … 7 for interpolation at t."""
     a0 = t

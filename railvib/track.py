@@ -209,12 +209,12 @@ def _load(n, q, bed, support, pad, rail):
         q[3 * LANES + i] = force.imag
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _sign(x):
     return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else 0.0)
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def _beam(beam, b4, w2, sign):
     """Return the dynamic stiffness EI (1 + iη sgn ω) β⁴ − ω² m of a beam."""
     bending = beam[0] * b4

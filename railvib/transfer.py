@@ -20,7 +20,7 @@ import numpy as np
 
 from railvib import blocks
 from railvib.blocks import STENCIL
-from railvib.panels import ORDER, nodes_between, panel_weights, stencil_weights
+from railvib.panels import ORDER, count_below, nodes_between, panel_weights, stencil_weights
 from railvib.track import Track, track_response
 from railvib.vector_math import cos_sin, exp
 
@@ -418,13 +418,13 @@ def _interpolated(at, frequency, beta, edge, top_slowness, largest, table):
         dense = 2.0 * np.pi * frequency[i] * top_slowness
         u = beta[i] / dense
         if u <= 1.0:
-            p = min(np.searchsorted(edge, u, side="right") - 1, edge.shape[0] - 2)
+            p = max(count_below(edge, u) - 1, 0)
             low = dense * edge[p]
             high = dense * edge[p + 1]
         else:
             octaves = np.log(largest / dense)
             u = min(1.0 + np.log(u) / octaves, 2.0)
-            p = min(np.searchsorted(edge, u, side="right") - 1, edge.shape[0] - 2)
+            p = max(count_below(edge, u) - 1, 0)
             low = dense * exp((edge[p] - 1.0) * octaves)
             high = dense * exp((edge[p + 1] - 1.0) * octaves)
         panel_weights((2.0 * beta[i] - low - high) / (high - low), basis)

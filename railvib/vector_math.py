@@ -46,7 +46,7 @@ def _double(typingctx, value):
     return types.float64(types.int64), codegen
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def exp(x):
     """Return e^x for −700 < x < 700."""
     t = x * LOG2E + MAGIC
@@ -69,7 +69,7 @@ def exp(x):
     return p * _double((_bits(t) << np.int64(52)) + np.int64(ONE_BITS))
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def cos_sin(x):
     """Return (cos x, sin x) for abs(x) < 1e6."""
     t = x * TWO_OVER_PI + MAGIC
@@ -100,14 +100,14 @@ def cos_sin(x):
     return cosine, sine
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def reciprocal(z):
     """Return 1/z of a complex z without the branches of a general division; |z|² must not overflow."""
     scale = 1.0 / (z.real * z.real + z.imag * z.imag)
     return complex(z.real * scale, -z.imag * scale)
 
 
-@numba.njit(inline="always", error_model="numpy")
+@numba.njit(forceinline=True, error_model="numpy")
 def root(z):
     """Return the square root of a complex z with a real part that is not negative."""
     size = np.sqrt(z.real * z.real + z.imag * z.imag)
