@@ -19,7 +19,6 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import metadata, resources
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +26,7 @@ from scipy.optimize import nnls
 
 from railvib import library
 from railvib.ground import Ground
-from sweep import plan, prefork, records, study, units, work
+from sweep import compiling, plan, prefork, records, study, units, work
 from sweep.host import host_class
 from sweep.kinds import Unit
 from sweep.task import Place, execute
@@ -62,7 +61,7 @@ class Rates:
 @cache
 def rates() -> Rates:
     """Return this machine's rates, measured now if they have not been."""
-    path = cache_folder() / f"pilot-{_key()}.json"
+    path = compiling.cache_folder() / f"pilot-{_key()}.json"
     with suppress(OSError, ValueError, TypeError):
         return Rates(**json.loads(path.read_bytes()))
     found = _measured_apart()
@@ -72,11 +71,6 @@ def rates() -> Rates:
         aside.write_text(json.dumps(asdict(found)), encoding="utf-8")
         aside.replace(path)
     return found
-
-
-def cache_folder() -> Path:
-    """Return where a user's programs keep what they can make again."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "railvib"
 
 
 def _key() -> str:

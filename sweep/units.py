@@ -31,7 +31,7 @@ from railvib.train_average import TrainIntegrals, train_integrals
 from railvib.transfer import TransferBlock, TransferFunction
 from railvib.unevenness import Unevenness
 from railvib.vehicle import Train
-from sweep import identity
+from sweep import compiling, identity
 from sweep.identity import Canonical
 from sweep.kinds import AccuracyWarning, Inputs, Kind, Load, Unit
 from sweep.study import KMH, Case, Resolved
@@ -183,6 +183,7 @@ def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Trans
     if "cross_section" in first:
         from railvib.fe_be import FeBeModel  # brings a finite-element library
 
+        warm_up_fe_be()
         model = FeBeModel(ground, track, CrossSection(**first["cross_section"]), block)
     else:
         model = None
@@ -495,10 +496,6 @@ def rayleigh_speeds(resolved: Resolved) -> dict[str, list[float]]:
 @cache
 def warm_up() -> None:
     """Compile every kernel, or load it where that has been done: a small case, kept nowhere."""
-    strip = np.array([0.0, 1.0])
-    fit = fit_tensor(library.load("soil", "horstwalde"), 1.0, 0.0, 1e-2)
-    strip_flexibility(strip, fit.pole, fit.residue, fit.constant, strip)
-    receiver_flexibility(strip, fit.pole, fit.residue, fit.constant, strip, strip)
     results: dict[Unit, Any] = {}
 
     def load(unit: Unit) -> Any:
@@ -522,3 +519,13 @@ def warm_up() -> None:
                 tolerance=1e-2,
             )
         )
+
+
+@cache
+def warm_up_fe_be() -> None:
+    """Compile the kernels of the FE/BE model, or load them: for studies that ask for it."""
+    strip = np.array([0.0, 1.0])
+    with compiling.alone():
+        fit = fit_tensor(library.load("soil", "horstwalde"), 1.0, 0.0, 1e-2)
+        strip_flexibility(strip, fit.pole, fit.residue, fit.constant, strip)
+        receiver_flexibility(strip, fit.pole, fit.residue, fit.constant, strip, strip)
