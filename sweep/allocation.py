@@ -47,11 +47,12 @@ def main(arguments: Sequence[str]) -> int:
     if ranks < FEWEST:
         raise InputError(f"--ntasks = {ranks}: must be at least {FEWEST}: scheduler, driver and a worker")
     meeting = Path.cwd() / name
+    alone = os.environ.get("SLURM_NNODES", "1") == "1"
     if rank == SCHEDULER:
-        return _schedule(meeting, alone=os.environ.get("SLURM_NNODES", "1") == "1")
+        return _schedule(meeting, alone)
     if rank == DRIVER:
         return _drive(meeting, arguments)
-    return _work(meeting)
+    return _work(meeting, alone)
 
 
 def _schedule(meeting: Path, alone: bool) -> int:
@@ -89,9 +90,10 @@ def _drive(meeting: Path, arguments: Sequence[str]) -> int:
         (meeting / ENDED).touch()
 
 
-def _work(meeting: Path) -> int:
+def _work(meeting: Path, alone: bool) -> int:
     """Run a worker until the scheduler ends."""
     command = [*DASK, "worker", "--nthreads", "1", "--no-dashboard"]
+    command += ["--host", LOOPBACK] if alone else []
     command += ["--scheduler-file", str(_await(meeting / TOLD)), *_files(meeting)]
     return subprocess.run(command, env={**os.environ, **THREADS}, check=False).returncode
 

@@ -6,6 +6,7 @@ a certificate made for the run, which the workers find in the results directory.
 
 import logging
 import shutil
+import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -15,7 +16,6 @@ from typing import Any
 
 import asyncssh
 import dask
-import dask_jobqueue
 from distributed import Client, LocalCluster, Scheduler, SpecCluster
 from distributed.core import Status
 from distributed.deploy import ssh
@@ -24,6 +24,11 @@ from distributed.security import Security
 from railvib.errors import InputError
 from sweep import cluster, drain, prefork, tls
 from sweep.cluster_file import LOOPBACK, ClusterFile, Local, Queue, Ssh
+
+_on_interrupt = signal.getsignal(signal.SIGINT)
+import dask_jobqueue  # noqa: E402
+
+signal.signal(signal.SIGINT, _on_interrupt)  # importing it lets Ctrl-C end the process as if all were well
 
 SCALING = {"interval": "1s", "target_duration": "1s"}
 """How often the number of workers is considered, and the work per worker that is worth another one."""
@@ -173,6 +178,11 @@ def _listening(file: Ssh | Queue, security: Security, dashboard: str | None) -> 
     }
 
 
+def _here_only(file: Ssh | Queue) -> bool:
+    """Return whether scheduler and workers are to be reached from this machine only."""
+    return file.host is None and file.interface is None
+
+
 def job_options(file: Queue, folder: Path, security: Security) -> dict[str, Any]:
     """Return what dask-jobqueue asks for to write a job's script."""
     options: dict[str, Any] = {
@@ -184,7 +194,7 @@ def job_options(file: Queue, folder: Path, security: Security) -> dict[str, Any]
         "job_name": "railvib",
         "log_directory": str(folder),
         "python": file.python or sys.executable,
-        "worker_extra_args": ["--no-dashboard"],
+        "worker_extra_args": ["--no-dashboard", *(["--host", LOOPBACK] if _here_only(file) else [])],
         "job_script_prologue": [
             *file.prologue,
             f"export {drain.STARTED}=$(date +%s)",
@@ -227,6 +237,8 @@ def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[S
     options: dict[str, Any] = {"nthreads": 1, "memory_limit": 0, "dashboard": False}
     if file.interface:
         options["interface"] = file.interface
+    if _here_only(file):
+        options["host"] = LOOPBACK
     workers = {
         host: {
             "cls": ssh.Worker,

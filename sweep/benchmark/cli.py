@@ -24,7 +24,7 @@ AFTER_BENCHMARK = "railvib.after_benchmark"
     type=click.Choice(["full", "quick"]),
     default="full",
     show_default=True,
-    help="full takes about a quarter of an hour, quick about two minutes.",
+    help="full takes about a quarter of an hour, quick about three minutes.",
 )
 @click.option(
     "--out",

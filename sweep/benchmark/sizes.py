@@ -75,8 +75,6 @@ QUICK = Size(
         "frequencies": (12.5, 25.0),
         "offsets": (4, 32),
         "layers": (2, 8),
-        "vehicles": (1, 4),
-        "trains": (1, 2),
         "soils": (1, 2),
         "speeds": (1, 4),
         "workers": (1, 2),

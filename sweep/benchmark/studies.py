@@ -1,5 +1,6 @@
 """Studies run as a user runs them, in processes of their own: seconds, memory, and where both went."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -91,7 +92,7 @@ def run(
     return Ran(
         directory,
         wall,
-        used.ru_utime + used.ru_stime,
+        max(used.ru_utime + used.ru_stime, watch.cpu_s),
         first,
         watch.peak,
         _stages(made) if first is not None else {},
@@ -122,10 +123,14 @@ def _approaches(directory: Path) -> dict[str, float]:
 
 
 class _Watch:
-    """Looks at the memory of a process and of all that it started, until told to stop."""
+    """Looks at the memory of a process and of all that it started, and at their seconds, until told to stop.
+
+    The system adds to a process's seconds those of the children that it has waited for; some it does not.
+    """
 
     def __init__(self, pid: int) -> None:
         self.peak = 0
+        self._cpu_s: dict[tuple[int, float], float] = {}
         self._pid = pid
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._look, daemon=True)
@@ -138,14 +143,23 @@ class _Watch:
         self._stop.set()
         self._thread.join()
 
+    @property
+    def cpu_s(self) -> float:
+        """Seconds of all processes as last seen."""
+        return sum(self._cpu_s.values())
+
     def _look(self) -> None:
         while not self._stop.wait(_LOOK_S):
             try:
                 root = psutil.Process(self._pid)
-                for process in (root, *root.children(recursive=True)):
-                    self.peak = max(self.peak, _resident(process))
+                family = (root, *root.children(recursive=True))
             except psutil.Error:
                 continue
+            for process in family:
+                with contextlib.suppress(psutil.Error):
+                    self.peak = max(self.peak, _resident(process))
+                    used = process.cpu_times()
+                    self._cpu_s[process.pid, process.create_time()] = used.user + used.system
 
 
 def _resident(process: psutil.Process) -> int:

@@ -12,8 +12,8 @@ from rich.table import Table
 from sweep.benchmark.figures import Figure
 
 _SMALL, _LARGE = 1e-3, 1e5
-_MOST_CASES = 5
-"""More cases of one quantity than these share a row."""
+_SHARING, _MOST_CASES = "transfer", 5
+"""In this section more cases of one quantity than these share a row: soils and one-third octaves."""
 
 
 def show(console: Console, document: Mapping[str, Any], figures: Iterable[Figure]) -> None:
@@ -38,12 +38,11 @@ def show(console: Console, document: Mapping[str, Any], figures: Iterable[Figure
             table.add_column(heading)
         for heading in ("median", "quartiles, or least – most", "unit", "aim"):
             table.add_column(heading, justify="right", no_wrap=True)
-        rows: dict[tuple[str, ...], list[Figure]] = {}
+        rows: dict[tuple[str, str], list[Figure]] = {}
         for figure in members:
-            axis, is_value, _ = figure.case.partition(" = ")
-            rows.setdefault((figure.item, figure.quantity, axis if is_value else ""), []).append(figure)
-        for (*_, axis), same in rows.items():
-            if len(same) > _MOST_CASES and not axis:
+            rows.setdefault((figure.item, figure.quantity), []).append(figure)
+        for same in rows.values():
+            if section == _SHARING and len(same) > _MOST_CASES:
                 table.add_row(*_together(same))
             else:
                 for figure in same:

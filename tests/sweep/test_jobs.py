@@ -51,6 +51,11 @@ def test_local_workers_come_as_there_is_work_and_listen_on_loopback(tmp_path):
     assert listening() == set()
 
 
+def test_ctrl_c_still_interrupts_with_batch_systems_at_hand():
+    code = "import signal, sweep.jobs; assert signal.getsignal(signal.SIGINT) is signal.default_int_handler"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2])
+
+
 @pytest.mark.slow
 def test_workers_leave_before_their_time_and_finish_what_they_compute(tmp_path):
     marks = tmp_path / "marks"
