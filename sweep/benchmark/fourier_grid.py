@@ -127,7 +127,10 @@ def coarsest(ground: Ground, track: Track, frequency: float, fit: RationalFit) -
     along_range = _range_along(track, omega, fit)
     slowest = omega / ground.slowest_speed
     beta = np.concatenate(
-        [slowest * np.array([1e-3, 0.5, 0.8, 0.9, 0.95, 1.0, 1.05, 1.3]), [0.3 * along_range, along_range]]
+        [
+            slowest * np.array([0.0, 0.1, 0.2, 0.3, 0.5, 0.8, 0.9, 0.95, 1.0, 1.05, 1.3]),
+            [0.3 * along_range, along_range],
+        ]
     )
     exact = closed_form(fit, b, beta)
     size = ERROR * np.abs(exact[:, :1])
@@ -162,7 +165,12 @@ def coarsest(ground: Ground, track: Track, frequency: float, fit: RationalFit) -
         across /= _FINER
     while misses(sums(across * _FINER, across_range))[-1] <= 1.0:
         across *= _FINER
-    return Grid(across, along_range, across, across_range)
+    grid = Grid(across, along_range, across, across_range)
+    # A convenient length makes the step a little finer: what comes round may then add up instead of cancel.
+    while (np.abs(by_transform(flexibility, b, beta, grid) - exact) > size).any():
+        across /= _FINER**0.25
+        grid = Grid(across, along_range, across, across_range)
+    return grid
 
 
 def closed_form(fit: RationalFit, b: float, beta: np.ndarray) -> np.ndarray:
