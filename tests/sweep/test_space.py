@@ -62,7 +62,7 @@ def test_a_limit_on_the_size_of_files(folder, computed):
 def test_a_full_file_system(folder, computed):
     disk = folder / "disk"
     disk.mkdir()
-    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1200k", "none", disk], check=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4m", "none", disk], check=True)
     try:
         unplanned = "from sweep import estimate; estimate.check = lambda *_: None"  # it would refuse
         process = driver.start(
