@@ -47,7 +47,7 @@ def rates() -> Rates:
 def _highest(operation: str) -> float:
     """Return operations per second of the fastest loop."""
     return max(
-        length * chains * _passes_per_second(_loop(operation, length, chains))
+        length * chains * _passes_per_second(loop(operation, length, chains))
         for length in _LENGTHS
         for chains in (_CHAINS if operation == "fma" else _CHAINS[:1])
     )
@@ -71,7 +71,7 @@ def _passes_per_second(loop: Callable[[int], float]) -> float:
 
 
 @cache
-def _loop(operation: str, length: int, chains: int) -> Callable[[int], float]:
+def loop(operation: str, length: int, chains: int) -> Callable[[int], float]:
     """Return a compiled loop of `chains` independent operations on vectors of `length` doubles."""
     vector = ir.VectorType(ir.DoubleType(), length)
 

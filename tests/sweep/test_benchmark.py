@@ -102,10 +102,16 @@ def test_counted_kernels_compute_what_the_compiled_ones_do(greby):
     assert count.roots == 2 * beta.size * fit.pole.size
 
 
-def test_the_limit_of_a_core_is_a_rate():
-    rates = arithmetic.rates()
-    assert rates.operations > rates.divisions > 0.0
-    assert rates.operations > rates.roots > 0.0
+@pytest.mark.parametrize("length", [2, 4, 8])
+def test_the_loops_that_find_the_limit_do_what_they_count(length):
+    chains = 8
+    each = length * chains
+    start = length * sum(1.0 + 0.01 * i for i in range(chains))
+    # x → 3/4 x + 1/2 tends to 2, the square root to 1, and 1.7/x returns after two passes.
+    assert arithmetic.loop("fma", length, chains)(1) == pytest.approx(0.75 * start + 0.5 * each)
+    assert arithmetic.loop("fma", length, chains)(200) == pytest.approx(2.0 * each)
+    assert arithmetic.loop("root", length, chains)(200) == pytest.approx(1.0 * each)
+    assert arithmetic.loop("divide", length, chains)(200) == pytest.approx(start)
 
 
 def test_figures_say_whether_an_aim_is_reached():
