@@ -121,6 +121,8 @@ def _mark_panels(edge, transfer, squared, size, needed):
     for p in range(squared.shape[0]):
         if size[p] > 1e-14 * total:
             needed[p] = True
+        else:  # nothing, also where another receiver needs the panel: no receiver depends on the others
+            squared[p] = 0.0
 
 
 def axle_pairs(integrals: LineIntegrals, axle_position: np.ndarray) -> np.ndarray:

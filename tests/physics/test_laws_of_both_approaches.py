@@ -50,6 +50,15 @@ def standing(functions, track, train):
     )
 
 
+def test_no_receiver_depends_on_the_others(functions, train):
+    """Computed together or alone, to the last bit: results are kept by receiver, in any company."""
+    f = np.array([2.5, 9.0, 21.0])
+    together = line_integrals({each: functions[each] for each in RECEIVERS}, axle_distances(train), f)
+    for each in RECEIVERS:
+        alone = line_integrals({each: functions[each]}, axle_distances(train), f)[each]
+        np.testing.assert_array_equal(together[each].integral, alone.integral)
+
+
 def test_by_axle_equals_all_together(functions, standing, train):
     """Law 1: Eq. 27 with its cross terms is Eq. 23, to rounding."""
     midband = bands.midbands(2.0, 25.0)
