@@ -19,6 +19,7 @@ from railvib.errors import InputError, PlausibilityWarning
 if TYPE_CHECKING:
     from sweep.estimate import Estimate
     from sweep.launch import Launch
+    from sweep.pilot import Rates
     from sweep.run import Request
     from sweep.study import Resolved
 
@@ -220,19 +221,25 @@ def _estimate(request: "Request") -> "Estimate":
 
     if not request.plan.tasks:
         return estimate.Estimate()
+    return estimate.estimate(request, _rates(request))
+
+
+def _rates(request: "Request") -> "Rates":
+    """Return the rates of this machine for all sorts of work that a request has."""
     from sweep import pilot
 
-    return estimate.estimate(request, pilot.rates())
+    tasks = request.plan.tasks.values()
+    return pilot.rates(any("cross_section" in unit.inputs for task in tasks for unit in task.units))
 
 
 def _check_fits(request: "Request", planned: "Estimate", directory: Path, workers: int | None) -> None:
     import psutil
 
-    from sweep import estimate, pilot
+    from sweep import estimate
 
     if request.plan.tasks:
         memory = psutil.virtual_memory().total
-        estimate.check(request, planned, pilot.rates(), directory, workers, memory)
+        estimate.check(request, planned, _rates(request), directory, workers, memory)
 
 
 def _check_plausibility(resolved: "Resolved", launched: "Launch") -> None:

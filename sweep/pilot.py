@@ -24,14 +24,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from railvib import library
+from railvib import blocks, library
+from railvib.cross_section import CrossSection
 from railvib.ground import Ground
+from railvib.ground_fits import GroundFits
 from sweep import compiling, plan, prefork, records, study, units, work
 from sweep.host import host_class
 from sweep.kinds import Unit
 from sweep.task import Place, execute
 
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
+_PLACES = 120
 
 
 @dataclass(frozen=True)
@@ -59,12 +62,21 @@ class Rates:
 
 
 @cache
-def rates() -> Rates:
-    """Return this machine's rates, measured now if they have not been."""
-    path = compiling.cache_folder() / f"pilot-{_key()}.json"
+def rates(finite_elements: bool = False) -> Rates:
+    """Return this machine's rates, measured now if they have not been; on demand with the FE/BE model's."""
+    found = _kept("pilot", "measure")
+    if not finite_elements:
+        return found
+    more = _kept("pilot-fe-be", "measure_fe_be")
+    return Rates({**found.cpu_s, **more.cpu_s}, found.idle_bytes, found.pilot_s + more.pilot_s)
+
+
+def _kept(name: str, function: str) -> Rates:
+    """Return the rates kept under a name, or measure them with a function of this module and keep them."""
+    path = compiling.cache_folder() / f"{name}-{_key()}.json"
     with suppress(OSError, ValueError, TypeError):
         return Rates(**json.loads(path.read_bytes()))
-    found = _measured_apart()
+    found = _measured_apart(function)
     with suppress(OSError):  # a cache that cannot be written is none
         path.parent.mkdir(parents=True, exist_ok=True)
         aside = path.with_suffix(f".{os.getpid()}.partial")
@@ -85,14 +97,15 @@ def _key() -> str:
     return digest.hexdigest()[:32]
 
 
-def _measured_apart() -> Rates:
+def _measured_apart(function: str) -> Rates:
     """Measure in a process of its own that is as a worker is: forked, or with its environment."""
     if prefork.running():
-        return prefork.submit(measure)()
+        measured: Rates = prefork.submit(globals()[function])()
+        return measured
     from sweep.cluster import ENVIRONMENT
 
     done = subprocess.run(
-        [sys.executable, "-m", "sweep.pilot"],
+        [sys.executable, "-m", "sweep.pilot", function],
         env={**os.environ, **ENVIRONMENT},
         stdout=subprocess.PIPE,
         check=True,
@@ -119,6 +132,26 @@ def measure() -> Rates:
     return Rates(
         {sort: _rates(sort, each) for sort, each in samples.items()}, idle, time.process_time() - began
     )
+
+
+def measure_fe_be() -> Rates:
+    """Evaluate the FE/BE model at some places, and return what one place costs."""
+    from railvib.fe_be import FeBeModel
+
+    units.warm_up_fe_be()
+    began = time.process_time()
+    ground, track = library.load("soil", "greby"), library.load("track", "ballasted-paper")
+    block, tolerance = 2, 1e-3
+    model = FeBeModel(ground, track, CrossSection(), block)
+    evaluate = model(GroundFits(ground, block, 1e-6 * tolerance), track, [8.0], tolerance)
+    beta = np.linspace(0.01, 6.0, _PLACES)
+    ks = blocks.indices(block, 0)
+    evaluate(0, int(ks[0]), beta)  # what is made once per block has been made
+    spent = time.process_time()
+    for k in ks[1:4]:
+        evaluate(0, int(k), beta)
+    spent = time.process_time() - spent
+    return Rates({work.FE_BE: {"values": spent / (3 * _PLACES)}}, 0, time.process_time() - began)
 
 
 class _Sample(NamedTuple):
@@ -223,4 +256,4 @@ def _fitted(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[fl
 
 
 if __name__ == "__main__":
-    print(json.dumps(asdict(measure())))
+    print(json.dumps(asdict(globals()[sys.argv[1]]())))

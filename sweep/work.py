@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from railvib import blocks
-from railvib.tabulation import MOST_LEVELS
+from railvib.tabulation import MOST_LEVELS, distance_class
 from sweep import units
 from sweep.kinds import Inputs, Unit
 
@@ -21,13 +21,19 @@ STAGES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 }
 """By sort of task, the stages whose time follows from some of its amounts alone; all else from the others."""
 
+FE_BE = "fe-be transfer"
+"""The sort of tasks that tabulate the FE/BE model."""
 CHECKS = 5
 """Places between the frequencies of each level at which a table is checked."""
+RESOLVING = 9
+"""Rows of nodes that finding the panels takes, about: three frequencies, halved some times."""
 
 
 def amounts(task: Sequence[Unit]) -> tuple[str, Amounts]:
     """Return the sort of a task, within which rates are the same, and its amounts of work."""
     first = task[0]
+    if first.kind == "transfer" and "cross_section" in first.inputs:
+        return FE_BE, _fe_be([unit.inputs for unit in task])
     if first.kind == "transfer":
         return "transfer", _transfer([unit.inputs for unit in task])
     if first.kind == "receptance":
@@ -46,10 +52,13 @@ def _sum(parts: Sequence[Amounts]) -> Amounts:
     return {name: sum(part[name] for part in parts) for name in parts[0]}
 
 
-def table_size(inputs: Inputs) -> tuple[int, float]:
-    """Return how many frequencies and nodes a table of a transfer function is expected to have."""
+def table_size(inputs: Inputs, resolved: float = 4.0) -> tuple[int, float]:
+    """Return how many frequencies and nodes a table of a transfer function is expected to have.
+
+    `resolved` is the number of waves up to the receiver that the coarsest level still follows.
+    """
     waves = units.waves_between(inputs)
-    level = min(max(math.ceil(math.log2(max(waves, 1.0) / 4.0)), 0), MOST_LEVELS)
+    level = min(max(math.ceil(math.log2(max(waves, 1.0) / resolved)), 0), MOST_LEVELS)
     return blocks.indices(int(inputs["block"]), level).size, 400.0 + 10.0 * waves
 
 
@@ -66,6 +75,16 @@ def _transfer(receivers: Sequence[Inputs]) -> Amounts:
         "values": sum(rows * nodes for rows, nodes in sizes),
         "values of layers": sum(rows * nodes for rows, nodes in sizes) * len(layers),
     }
+
+
+def _fe_be(receivers: Sequence[Inputs]) -> Amounts:
+    """Return the places at which the FE/BE model is evaluated, shared by the receivers of a class."""
+    classes: dict[float, float] = {}
+    for inputs in receivers:
+        rows, nodes = table_size(inputs, 8.0)  # no rate makes up for an estimate on the safe side here
+        reach = distance_class(inputs["receiver"])
+        classes[reach] = max(classes.get(reach, 0.0), (rows + CHECKS + RESOLVING) * nodes)
+    return {"values": sum(classes.values())}
 
 
 def _receptance(inputs: Inputs) -> Amounts:
