@@ -10,7 +10,7 @@ from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.rational_fit import RationalFit, fit_flexibility
 from railvib.strip import strip_compliances
 
-_FIT_TOLERANCE = 1e-11
+_FIT_TOLERANCE = 3e-12
 """Tighter than the tables' fits: one value can afford it, and far out C is 1e-6 of what it is at the load."""
 _ACCEPTED = 1e-6
 _WAVENUMBER_TIMES_DISTANCE = 40.0

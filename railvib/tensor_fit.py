@@ -110,7 +110,8 @@ def fit_tensor(
         pole = clean(pole, largest, min(layer.loss_factor for layer in ground.layers))
         fitted = np.sort(np.concatenate([seen, 0.5 * (seen[1:] + seen[:-1])]))[1:]
         residue, constant = _residues(k0 * np.sinh(fitted), components(fitted), pole)
-        unseen = 0.5 * (fitted[1:] + fitted[:-1])
+        # Three places between the samples: an error as narrow as a resonance shows at one of them.
+        unseen = (fitted[:-1, None] + np.diff(fitted)[:, None] * [0.25, 0.5, 0.75]).ravel()
         fit = TensorFit(pole, residue, constant, np.nan, support)
         error = _error(fit, k0 * np.sinh(unseen), components(unseen))
     return TensorFit(pole, residue, constant, error, support)
