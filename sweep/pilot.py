@@ -64,19 +64,19 @@ class Rates:
 @cache
 def rates(finite_elements: bool = False) -> Rates:
     """Return this machine's rates, measured now if they have not been; on demand with the FE/BE model's."""
-    found = _kept("pilot", "measure")
+    found = _kept("pilot")
     if not finite_elements:
         return found
-    more = _kept("pilot-fe-be", "measure_fe_be")
+    more = _kept("pilot-fe-be")
     return Rates({**found.cpu_s, **more.cpu_s}, found.idle_bytes, found.pilot_s + more.pilot_s)
 
 
-def _kept(name: str, function: str) -> Rates:
-    """Return the rates kept under a name, or measure them with a function of this module and keep them."""
+def _kept(name: str) -> Rates:
+    """Return the rates of one of the pilots that are kept, or measure and keep them."""
     path = compiling.cache_folder() / f"{name}-{_key()}.json"
     with suppress(OSError, ValueError, TypeError):
         return Rates(**json.loads(path.read_bytes()))
-    found = _measured_apart(function)
+    found = _measured_apart(name)
     with suppress(OSError):  # a cache that cannot be written is none
         path.parent.mkdir(parents=True, exist_ok=True)
         aside = path.with_suffix(f".{os.getpid()}.partial")
@@ -97,15 +97,15 @@ def _key() -> str:
     return digest.hexdigest()[:32]
 
 
-def _measured_apart(function: str) -> Rates:
+def _measured_apart(name: str) -> Rates:
     """Measure in a process of its own that is as a worker is: forked, or with its environment."""
     if prefork.running():
-        measured: Rates = prefork.submit(globals()[function])()
+        measured: Rates = prefork.submit(PILOTS[name])()
         return measured
     from sweep.cluster import ENVIRONMENT
 
     done = subprocess.run(
-        [sys.executable, "-m", "sweep.pilot", function],
+        [sys.executable, "-m", "sweep.pilot", name],
         env={**os.environ, **ENVIRONMENT},
         stdout=subprocess.PIPE,
         check=True,
@@ -255,5 +255,8 @@ def _fitted(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[fl
     return dict(zip(names, (found / scale).tolist(), strict=True))
 
 
+PILOTS = {"pilot": measure, "pilot-fe-be": measure_fe_be}
+"""What measures rates, by the name under which they are kept."""
+
 if __name__ == "__main__":
-    print(json.dumps(asdict(globals()[sys.argv[1]]())))
+    print(json.dumps(asdict(PILOTS[sys.argv[1]]())))

@@ -65,11 +65,11 @@ def test_a_run_takes_what_was_planned(name, rates, tmp_path, monkeypatch):
 
 def test_rates_are_remembered(rates, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(pilot, "_measured_apart", lambda function: rates)
+    monkeypatch.setattr(pilot, "_measured_apart", lambda name: rates)
     pilot.rates.cache_clear()
     assert pilot.rates() == rates
     assert [path.suffix for path in (tmp_path / "railvib").iterdir()] == [".json"]
-    monkeypatch.setattr(pilot, "_measured_apart", lambda function: pytest.fail("measured twice"))
+    monkeypatch.setattr(pilot, "_measured_apart", lambda name: pytest.fail("measured twice"))
     pilot.rates.cache_clear()
     assert pilot.rates() == rates
     monkeypatch.setattr("socket.gethostname", lambda: "another")
