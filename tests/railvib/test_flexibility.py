@@ -29,7 +29,8 @@ def test_many_at_once(greby):
     r = np.linspace(0.0, 5.0, 11)
     many = surface_flexibilities(r, 60.0, greby.stack(), False)
     one_by_one = [surface_flexibility(each, 60.0, greby.stack(), False) for each in r]
-    np.testing.assert_allclose(many, one_by_one, rtol=1e-13)
+    # Not to the last bit: the compiler fuses multiplications and additions of lanes in other places.
+    np.testing.assert_allclose(many, one_by_one, rtol=1e-14)
     np.testing.assert_allclose(many, surface_flexibilities.py_func(r, 60.0, greby.stack(), False), rtol=1e-13)
 
 
