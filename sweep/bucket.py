@@ -71,7 +71,7 @@ class Bucket:
         with ThreadPoolExecutor(CONNECTIONS) as pool:
             yield from pool.map(self.read, keys)
 
-    def read_group(self, prefix: str) -> dict[str, bytes]:
+    def read_group(self, prefix: str) -> Mapping[str, bytes | bytearray]:
         """Return all objects below a prefix."""
         pages = obstore.list(self._store, prefix)
         keys = [meta["path"] for page in pages for meta in page]

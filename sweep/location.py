@@ -38,7 +38,7 @@ class Location(Protocol):
     def read_many(self, keys: Iterable[str]) -> Iterator[bytes | None]:
         """Yield the contents at some keys, in their order."""
 
-    def read_group(self, prefix: str) -> dict[str, bytes]:
+    def read_group(self, prefix: str) -> Mapping[str, bytes | bytearray]:
         """Return everything below a prefix, by the rest of the key."""
 
     def names(self, prefix: str) -> list[str]:
@@ -106,11 +106,14 @@ class Folder:
     def __init__(self, path: Path | str) -> None:
         self._top = Path(path)
         self.address = str(path)
+        # Paths are built from text below: objects of pathlib take as long as what is done with small files.
+        self._folder = f"{self._top}{os.sep}"
 
     def read(self, key: str) -> bytes | None:
         """Return a file's content."""
         try:
-            return (self._top / key).read_bytes()
+            with open(self._folder + key, "rb") as file:
+                return file.read()
         except (FileNotFoundError, NotADirectoryError):
             return None
 
@@ -118,64 +121,63 @@ class Folder:
         """Yield the contents of files."""
         return (self.read(key) for key in keys)
 
-    def read_group(self, prefix: str) -> dict[str, bytes]:
+    def read_group(self, prefix: str) -> Mapping[str, bytes | bytearray]:
         """Return all files below a folder."""
-        place = self._top / prefix
-        contents = {}
-        for path in _files(place):
+        place = self._folder + prefix
+        contents: dict[str, bytes | bytearray] = {}
+        for key in _keys(place):
             with suppress(FileNotFoundError):  # just being replaced: the reader will find that it is missing
-                contents[path.relative_to(place).as_posix()] = path.read_bytes()
+                contents[key] = _read(f"{place}/{key}")
         return contents
 
     def names(self, prefix: str) -> list[str]:
         """Return what a folder holds but for files that are being written."""
         try:
-            with os.scandir(self._top / prefix) as entries:
+            with os.scandir(self._folder + prefix) as entries:
                 return [entry.name for entry in entries if not entry.name.endswith(".partial")]
         except (FileNotFoundError, NotADirectoryError):
             return []
 
     def create(self, key: str, content: bytes) -> bool:
         """Write aside, sync, and link to the name, which fails where it is taken."""
-        path = self._top / key
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = self._write_aside(path, content)
+        path = self._folder + key
+        temporary = _write_aside(path, content)
         try:
             os.link(temporary, path)  # fails where the name is taken: the first wins, whoever is slower
             first = True
         except FileExistsError:
             first = False
         finally:
-            temporary.unlink()
-        _sync_folder(path.parent)
+            os.unlink(temporary)
+        _sync_folder(os.path.dirname(path))
         return first
 
     def ensure(self, key: str, content: bytes) -> None:
         """See that a file is there."""
-        if not (self._top / key).exists():
+        if not os.path.exists(self._folder + key):
             self.create(key, content)
 
     def replace(self, key: str, content: bytes) -> None:
         """Write a file in one step, whatever was there; durable when this returns."""
-        path = self._top / key
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._write_aside(path, content).replace(path)
-        _sync_folder(path.parent)
+        path = self._folder + key
+        os.replace(_write_aside(path, content), path)
+        _sync_folder(os.path.dirname(path))
 
     def put(self, prefix: str, objects: Mapping[str, bytes | memoryview]) -> None:
         """Write a folder aside, and rename it to its place."""
-        partial = self._aside(prefix) / uuid.uuid4().hex
+        partial = f"{self._aside(prefix)}/{uuid.uuid4().hex}"
+        for folder in dict.fromkeys(key.rpartition("/")[0] for key in objects):
+            os.makedirs(f"{partial}/{folder}", exist_ok=True)
         for key, content in objects.items():
-            path = partial / key
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
+            _write(f"{partial}/{key}", content)
         place = self._top / prefix
         place.parent.mkdir(parents=True, exist_ok=True)
-        _rename(partial, place)
+        _rename(Path(partial), place)
 
     def remove(self, key: str) -> None:
         """Remove a file."""
-        (self._top / key).unlink(missing_ok=True)
+        with suppress(FileNotFoundError):
+            os.unlink(self._folder + key)
 
     def zarr(self, prefix: str) -> Path:
         """Return the path."""
@@ -198,15 +200,34 @@ class Folder:
     def _aside(self, prefix: str) -> Path:
         return self._top / f"{prefix.partition('/')[0]}.partial"
 
-    @staticmethod
-    def _write_aside(path: Path, content: bytes) -> Path:
-        """Write and sync a file beside `path` under a name of its own."""
-        temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
-        with temporary.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        return temporary
+
+def _read(path: str) -> bytearray:
+    """Return a file's content in memory that can be written to, so that an array needs no copy of it."""
+    with open(path, "rb") as file:
+        content = bytearray(os.fstat(file.fileno()).st_size)
+        file.readinto(content)
+        return content
+
+
+def _write(path: str, content: bytes | memoryview) -> None:
+    with open(path, "wb") as file:
+        file.write(content)
+
+
+def _write_aside(path: str, content: bytes) -> str:
+    """Write and sync a file beside `path` under a name of its own, in a folder made if missing."""
+    folder, name = os.path.split(path)
+    temporary = f"{folder}/.{name}.{uuid.uuid4().hex}.partial"
+    try:
+        file = open(temporary, "wb")
+    except FileNotFoundError:
+        os.makedirs(folder, exist_ok=True)
+        file = open(temporary, "wb")
+    with file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    return temporary
 
 
 def _rename(partial: Path, place: Path) -> None:
@@ -231,19 +252,19 @@ def _rename(partial: Path, place: Path) -> None:
 
 def _same(one: Path, other: Path) -> bool:
     """Return whether two directories hold the same files with the same bytes."""
-    files = [sorted(path.relative_to(top) for path in _files(top)) for top in (one, other)]
-    return files[0] == files[1] and all(
-        filecmp.cmp(one / path, other / path, shallow=False) for path in files[0]
-    )
+    keys = [sorted(_keys(str(top))) for top in (one, other)]
+    return keys[0] == keys[1] and all(filecmp.cmp(one / key, other / key, shallow=False) for key in keys[0])
 
 
-def _files(top: Path) -> Iterator[Path]:
+def _keys(top: str) -> Iterator[str]:
+    """Yield the paths of all files below a folder from there, with slashes; none where there is no folder."""
     for folder, _, names in os.walk(top):
+        below = "" if folder == top else f"{os.path.relpath(folder, top)}/".replace(os.sep, "/")
         for name in names:
-            yield Path(folder) / name
+            yield below + name
 
 
-def _sync_folder(folder: Path) -> None:
+def _sync_folder(folder: str) -> None:
     """Make the names in a folder durable, not only the files behind them."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:

@@ -216,7 +216,7 @@ def _load(
     return found, attributes
 
 
-def _metadata(objects: Mapping[str, bytes | memoryview]) -> str:
+def _metadata(objects: Mapping[str, bytes | bytearray | memoryview]) -> str:
     """Return the sha256 over the objects of a group that are no chunks, in order of their keys."""
     digest = hashlib.sha256()
     for key in sorted(objects):

@@ -1,5 +1,8 @@
 """The bytes of a Zarr group (version 3) of small arrays, each in chunks of whole rows without compression.
 
+A chunk lies beside its array's metadata, as `c.0.0`: a group takes one folder per array. Groups with a folder
+per dimension of a chunk, as railvib wrote them once, are read as well.
+
 Every object of a group is made and read here in one go, from and to memory. The zarr library goes through an
 event loop for each of them, which for groups of a few hundred kilobytes takes ten times as long as all else
 that a task does to store its results; it is what other readers open the groups with, and what the tests hold
@@ -7,8 +10,8 @@ this form to.
 """
 
 import json
-from collections.abc import Mapping
-from math import ceil
+from collections.abc import Mapping, Sequence
+from math import ceil, prod
 from typing import Any
 
 import google_crc32c
@@ -18,12 +21,14 @@ from numpy.typing import NDArray
 _CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "crc32c"}]
 """Complex fields do not compress; the checksum shows a torn chunk to any reader."""
 _CRC_BYTES = 4
+_SEPARATOR = "."
+"""In the keys of chunks. A slash, the format's default, makes two more folders of each array."""
 
 Arrays = Mapping[str, tuple[NDArray[Any], Mapping[str, Any]]]
 """Arrays by name, each with its metadata: `dims`, and `unit` and `description` if it has them."""
 
 
-def encode(arrays: Arrays, attributes: Mapping[str, Any], chunk_bytes: int) -> dict[str, bytes]:
+def encode(arrays: Arrays, attributes: Mapping[str, Any], chunk_bytes: int) -> dict[str, bytes | memoryview]:
     """Return the objects of a group by key.
 
     Parameters
@@ -41,7 +46,7 @@ def encode(arrays: Arrays, attributes: Mapping[str, Any], chunk_bytes: int) -> d
         If an attribute cannot be stored.
     """
     said = {name: _array_metadata(name, *each, chunk_bytes) for name, each in arrays.items()}
-    objects = {
+    objects: dict[str, bytes | memoryview] = {
         "zarr.json": _json(
             {
                 "zarr_format": 3,
@@ -54,14 +59,14 @@ def encode(arrays: Arrays, attributes: Mapping[str, Any], chunk_bytes: int) -> d
     }
     for name, (array, _) in arrays.items():
         objects[f"{name}/zarr.json"] = _json(said[name])
-        rows = said[name]["chunk_grid"]["configuration"]["chunk_shape"]
-        for key, chunk in _chunks(array, rows[0] if rows else 0):
-            content = np.ascontiguousarray(chunk, chunk.dtype.newbyteorder("<")).tobytes()
-            objects[f"{name}/{key}"] = content + google_crc32c.value(content).to_bytes(_CRC_BYTES, "little")
+        shape = said[name]["chunk_grid"]["configuration"]["chunk_shape"]
+        for number, key in enumerate(_keys(array.shape, shape, _SEPARATOR)):
+            rows = array[number * shape[0] : (number + 1) * shape[0]] if shape else array
+            objects[f"{name}/{key}"] = _chunk(rows, shape)
     return objects
 
 
-def decode(objects: Mapping[str, bytes]) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+def decode(objects: Mapping[str, bytes | bytearray]) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Return the arrays and the attributes of a group from its objects.
 
     Raises
@@ -83,7 +88,7 @@ def _array_metadata(
         "shape": list(array.shape),
         "data_type": array.dtype.name,
         "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": _chunk_shape(array, chunk_bytes)}},
-        "chunk_key_encoding": {"name": "default", "configuration": {"separator": "/"}},
+        "chunk_key_encoding": {"name": "default", "configuration": {"separator": _SEPARATOR}},
         "fill_value": _fill(array.dtype),
         "codecs": _CODECS,
         "attributes": {
@@ -108,47 +113,59 @@ def _fill(dtype: np.dtype[Any]) -> Any:
     return {"c": ["NaN", "NaN"], "f": "NaN", "b": False}.get(dtype.kind, 0)
 
 
-def _chunks(array: NDArray[Any], rows: int) -> list[tuple[str, NDArray[Any]]]:
-    """Return key and content of every chunk; a last one that is not full is filled up, as the format says."""
-    if array.ndim == 0:
-        return [("c", array)]
-    if array.size == 0:
-        return []
-    beside = "/0" * (array.ndim - 1)
-    chunks = []
-    for number in range(ceil(array.shape[0] / rows)):
-        chunk = array[number * rows : (number + 1) * rows]
-        if len(chunk) < rows:
-            chunk = np.concatenate([chunk, np.zeros((rows - len(chunk), *array.shape[1:]), array.dtype)])
-        chunks.append((f"c/{number}{beside}", chunk))
-    return chunks
+def _keys(shape: Sequence[int], chunk_shape: Sequence[int], separator: str) -> list[str]:
+    """Return the keys of an array's chunks below its own, in order of their rows."""
+    if not shape:
+        return ["c"]
+    number = 0 if 0 in shape else ceil(shape[0] / chunk_shape[0])
+    return [separator.join(("c", str(index), *("0" for _ in shape[1:]))) for index in range(number)]
 
 
-def _array(name: str, objects: Mapping[str, bytes]) -> NDArray[Any]:
+def _chunk(rows: NDArray[Any], shape: Sequence[int]) -> memoryview:
+    """Return a chunk's bytes with their checksum; one that is not full is filled up, as the format says."""
+    dtype = rows.dtype.newbyteorder("<")
+    content = np.empty(dtype.itemsize * prod(shape) + _CRC_BYTES, np.uint8)
+    data = content[:-_CRC_BYTES]
+    chunk = data.view(dtype).reshape(shape)
+    if shape:
+        chunk[: len(rows)] = rows
+        chunk[len(rows) :] = 0
+    else:
+        chunk[...] = rows
+    content[-_CRC_BYTES:] = np.frombuffer(_crc(data), np.uint8)
+    return content.data
+
+
+def _array(name: str, objects: Mapping[str, bytes | bytearray]) -> NDArray[Any]:
     """Return one array from its chunks."""
     said = json.loads(objects[f"{name}/zarr.json"])
     if said["codecs"] != _CODECS:
         raise ValueError(f"{name}: is encoded in another way")
     shape, dtype = tuple(said["shape"]), np.dtype(said["data_type"]).newbyteorder("<")
     chunk_shape = said["chunk_grid"]["configuration"]["chunk_shape"]
+    separator = said["chunk_key_encoding"]["configuration"]["separator"]
     if 0 in shape:
         return np.empty(shape, dtype)
-    number = ceil(shape[0] / chunk_shape[0]) if shape else 1
-    keys = [f"c/{index}{'/0' * (len(shape) - 1)}" for index in range(number)] if shape else ["c"]
-    parts = [_verified(f"{name}/{key}", objects) for key in keys]
-    content = parts[0] if number == 1 else np.concatenate(parts)
+    parts = [_verified(f"{name}/{key}", objects) for key in _keys(shape, chunk_shape, separator)]
+    content = parts[0] if len(parts) == 1 else np.concatenate(parts)
     array = np.frombuffer(content, dtype).reshape((-1, *chunk_shape[1:]) if shape else ())
-    # A copy, for arrays that cannot be written to are another type to compiled kernels.
-    return (array[: shape[0]] if shape else array).astype(dtype.newbyteorder("="))
+    # Arrays that cannot be written to are another type to compiled kernels.
+    array = (array[: shape[0]] if shape else array).astype(dtype.newbyteorder("="), copy=False)
+    return array if array.flags.writeable else array.copy()
 
 
-def _verified(key: str, objects: Mapping[str, bytes]) -> NDArray[np.uint8]:
+def _verified(key: str, objects: Mapping[str, bytes | bytearray]) -> NDArray[np.uint8]:
     """Return the bytes of a chunk without its checksum, after a look at that."""
     content = np.frombuffer(objects[key], np.uint8)
     chunk, stored = content[:-_CRC_BYTES], content[-_CRC_BYTES:].tobytes()
-    if google_crc32c.value(chunk).to_bytes(_CRC_BYTES, "little") != stored:
+    if _crc(chunk) != stored:
         raise ValueError(f"{key}: is torn or altered")
     return chunk
+
+
+def _crc(data: NDArray[np.uint8]) -> bytes:
+    checksum: int = google_crc32c.value(data)
+    return checksum.to_bytes(_CRC_BYTES, "little")
 
 
 def _json(value: Any) -> bytes:

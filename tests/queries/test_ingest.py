@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -171,7 +170,7 @@ def test_a_damaged_group_is_a_failure_and_the_rest_is_there(study, damage):
     directory = study.write()
     place = directory / store.STORE / group(directory, "spectra-0-150-full")
     if damage == "missing chunk":
-        shutil.rmtree(place / "mean_square" / "c")
+        next((place / "mean_square").glob("c.*")).unlink()
     else:
         (place / "zarr.json").write_text("torn")
     done = ingest(directory)

@@ -161,7 +161,7 @@ def test_damage_is_repaired_within_a_run(here):
     out = here / "runs" / "small"
     first = next(records.committed(out, "transfer"))
     name = next(name for name in ("rail", "ground") if name in first["arrays"])
-    (out / store.STORE / first["group"] / name / "c" / "0" / "0").unlink()
+    (out / store.STORE / first["group"] / name / "c.0.0").unlink()
     for record in records.committed(out, "spectra"):
         records.withdraw(out, "spectra", record["unit_id"])
     for kind in ("line_integrals", "receptance"):

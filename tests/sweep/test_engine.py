@@ -92,7 +92,7 @@ def test_damage_is_found_on_use_and_made_good(tmp_path):
     part = toy.square(1)
     run(tmp_path, [part], engine.ThisProcess())
     group = records.find(tmp_path, part.kind, part.id)["group"]
-    chunk = tmp_path / store.STORE / group / "value" / "c" / "0"
+    chunk = tmp_path / store.STORE / group / "value" / "c.0"
     chunk.unlink()
     tally = run(tmp_path, [toy.total(1, 2)], engine.ThisProcess())
     assert tally.failed == 1

@@ -140,7 +140,7 @@ def test_damage_outside_is_found_on_use_and_made_good(tmp_path, outside, harm):
     run(tmp_path, [toy.square(1)], outside)
     place, unit = location.at(outside), toy.square(1)
     record = records.find(outside, unit.kind, unit.id)
-    key = f"{store.STORE}/{record['group']}/value/c/0"
+    key = f"{store.STORE}/{record['group']}/value/c.0"
     if harm == "record":
         key = f"{records.RECORDS}/square/{unit.id}.json"
     content = bytearray(place.read(key))

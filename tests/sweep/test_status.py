@@ -33,7 +33,7 @@ def group(directory, kind, name):
 
 
 def chunk(folder, name):
-    return next(path for path in (folder / name / "c").rglob("*") if path.is_file())
+    return next((folder / name).glob("c.*"))
 
 
 def test_a_finished_run(copy):

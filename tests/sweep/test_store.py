@@ -10,7 +10,7 @@ import zarr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sweep import store
+from sweep import store, zarr_form
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,40 @@ def test_a_result_comes_back_bit_by_bit(tmp_path, spectrum):
     assert written.bytes_written == sum(path.stat().st_size for path in files)
 
 
+@pytest.mark.parametrize("chunk_bytes", [200, store.CHUNK_BYTES])
+def test_a_group_in_the_earlier_form_comes_back(tmp_path, spectrum, monkeypatch, chunk_bytes):
+    """Chunks once lay in folders of their own, `c/0/0`."""
+    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    with monkeypatch.context() as earlier:
+        earlier.setattr(zarr_form, "_SEPARATOR", "/")
+        written = write(tmp_path, spectrum)
+    folder = tmp_path / store.STORE / written.group
+    assert (folder / "transfer" / "c" / "0" / "0").is_file()
+    assert_equal(read(tmp_path, written), spectrum)
+    now = write(tmp_path, spectrum)
+    assert now.group != written.group
+    assert now.arrays == written.arrays
+
+
+def test_an_array_takes_one_folder(tmp_path, spectrum):
+    folder = tmp_path / store.STORE / write(tmp_path, spectrum).group
+    assert {path.name for path in folder.rglob("*") if path.is_dir()} == {
+        "frequency",
+        "transfer",
+        "count",
+        "constant",
+    }
+
+
+def test_arrays_that_were_read_can_be_written_to(tmp_path, spectrum):
+    """Others would be another type to compiled kernels, which would compile anew for them."""
+    found = read(tmp_path, write(tmp_path, spectrum))
+    for name in ("frequency", "transfer", "count"):
+        assert getattr(found, name).flags.writeable
+        assert getattr(found, name).flags.c_contiguous
+        assert getattr(found, name).flags.aligned
+
+
 def test_plain_arrays_and_attributes(tmp_path, spectrum):
     written = write(tmp_path, spectrum)
     arrays, attributes = store.read_arrays(tmp_path, written.group)
@@ -112,7 +146,7 @@ def test_arrays_of_wrong_shape_are_refused(tmp_path, spectrum):
 
 def damage(home, written, how):
     group = home / store.STORE / written.group
-    path = group / "transfer" / "c" / "0" / "0"
+    path = group / "transfer" / "c.0.0"
     if how == "flip":
         content = bytearray(path.read_bytes())
         content[10] ^= 1
@@ -204,9 +238,7 @@ def test_chunks_are_whole_rows_and_written_at_once(tmp_path, rows, nodes, chunk_
     array = zarr.open_group(home / store.STORE, mode="r")[f"{written.group}/transfer"]
     assert array.shards is None
     assert array.chunks[1] == nodes
-    files = [
-        path for path in (home / store.STORE / written.group / "transfer" / "c").rglob("*") if path.is_file()
-    ]
+    files = list((home / store.STORE / written.group / "transfer").glob("c.*"))
     assert len(files) == -(-rows // array.chunks[0])
     np.testing.assert_array_equal(
         store.read(home, written.group, Spectrum, written.arrays).transfer, made.transfer
