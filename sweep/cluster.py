@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -37,6 +37,10 @@ SETTINGS: dict[str, Any] = {
 }
 
 
+ASK_S = 1.0
+"""How old what is known of the number of workers may be."""
+
+
 class Workers:
     """The workers of a scheduler, through a client; `most` is how many there may be when all have come."""
 
@@ -45,22 +49,30 @@ class Workers:
         self._most = most
         self._futures: dict[str, str] = {}
         self._completed = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+        self._size = 0
+        self._asked = -ASK_S
 
     @property
     def size(self) -> int:
         """How many tasks can run at once, also by workers that are still on their way."""
-        threads: dict[str, int] = self._client.nthreads()
-        return max(self._most, sum(threads.values()))
+        now = time.monotonic()
+        if now - self._asked >= ASK_S:
+            threads: dict[str, int] = self._client.nthreads()
+            self._size, self._asked = sum(threads.values()), now
+        return max(self._most, self._size)
 
     def processor_seconds(self) -> list[float]:
         """Return what each worker process has used of processor time so far [s]."""
         return list(self._client.run(time.process_time).values())
 
-    def submit(self, task: Task, place: Place) -> None:
-        """Hand a task out; a later attempt has a key of its own, as Dask remembers why a key died."""
-        key = task.key if place.attempt == 1 else f"{task.key}{place.attempt:04x}"
-        self._futures[key] = task.key
-        self._completed.add(self._client.submit(execute, task.key, task.units, place, key=key, pure=False))
+    def submit(self, tasks: Sequence[Task], place: Place) -> None:
+        """Hand tasks out; a later attempt has a key of its own, as Dask remembers why a key died."""
+        again = "" if place.attempt == 1 else f"{place.attempt:04x}"
+        keys = {f"{task.key}{again}": task.key for task in tasks}
+        self._futures |= keys
+        units = [task.units for task in tasks]
+        arguments = (list(keys.values()), units, [place] * len(tasks))
+        self._completed.update(self._client.map(execute, *arguments, key=list(keys), pure=False))
 
     def finished(self) -> Iterator[tuple[str, Outcome | None]]:
         """Wait for at least one task; release its future at once."""

@@ -6,7 +6,7 @@ of a task.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -16,7 +16,11 @@ from sweep.space import NoSpaceError
 from sweep.task import Outcome, Place, execute, lost
 
 WINDOW_PER_WORKER = 16
-"""Tasks handed out ahead of those that run: enough to hide the way to the scheduler."""
+"""Tasks handed out ahead of those that run: enough to hide the way to the scheduler.
+
+They are handed out anew, together, when half of them are done: what a scheduler does for each time that it is
+given tasks, and keeps of it, then counts for little beside the tasks.
+"""
 
 LOST = "its worker died with it, again when it ran alone: out of memory, or a crash in compiled code"
 
@@ -28,8 +32,8 @@ class Crew(Protocol):
     def size(self) -> int:
         """How many tasks can run at once."""
 
-    def submit(self, task: Task, place: Place) -> None:
-        """Hand a task out."""
+    def submit(self, tasks: Sequence[Task], place: Place) -> None:
+        """Hand tasks out."""
 
     def finished(self) -> Iterator[tuple[str, Outcome | None]]:
         """Wait until tasks have finished; yield keys and outcomes, None where workers died with the task."""
@@ -43,9 +47,9 @@ class ThisProcess:
     def __init__(self) -> None:
         self._waiting: deque[tuple[Task, Place]] = deque()
 
-    def submit(self, task: Task, place: Place) -> None:
-        """Hand a task out."""
-        self._waiting.append((task, place))
+    def submit(self, tasks: Sequence[Task], place: Place) -> None:
+        """Hand tasks out."""
+        self._waiting.extend((task, place) for task in tasks)
 
     def finished(self) -> Iterator[tuple[str, Outcome | None]]:
         """Run the next task."""
@@ -106,20 +110,22 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
     suspects: deque[str] = deque()
     running: set[str] = set()
 
-    def start(key: str, at: Place) -> None:
-        running.add(key)
-        tally.starts += 1
-        crew.submit(plan.tasks[key], at)
+    def start(keys: Sequence[str], at: Place) -> None:
+        if keys:
+            running.update(keys)
+            tally.starts += len(keys)
+            crew.submit([plan.tasks[key] for key in keys], at)
 
     full = ""
     while True:
         if full and not running:
             raise NoSpaceError(full)
-        for key in board.take(0 if full else max(0, WINDOW_PER_WORKER * crew.size - len(running))):
-            start(key, place)
+        window = WINDOW_PER_WORKER * crew.size
+        if not full and 2 * len(running) <= window:
+            start(board.take(window - len(running)), place)
         if not running and suspects:
             # A dead worker makes all it held suspect: alone, only the guilty one can die again.
-            start(suspects.popleft(), replace(place, attempt=place.attempt + 1))
+            start([suspects.popleft()], replace(place, attempt=place.attempt + 1))
             alone = True
         else:
             alone = False
@@ -168,7 +174,7 @@ class _Board:
                 self._before.setdefault(other, []).append(key)
         self._ready = deque(key for key, count in self._waits.items() if count == 0)
 
-    def take(self, most: int) -> Iterable[str]:
+    def take(self, most: int) -> list[str]:
         """Return up to `most` tasks that can start, in the order of the plan."""
         return [self._ready.popleft() for _ in range(min(most, len(self._ready)))]
 
