@@ -1,42 +1,19 @@
 """The program `railvib`: a group whose sub-commands come from entry points, and the sub-command `library`.
 
 Each package of the distribution brings its own sub-commands, so that none imports another for its sake. They
-are loaded when they are asked for: `railvib library` does not import the engine.
+are loaded when they are asked for: `railvib library` does not import the engine, nor `run` the library before
+the workers are on their way.
 """
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
 import click
-from rich import box
-from rich.console import Console
-from rich.table import Table
 
-from railvib import library as shelves
 from railvib.errors import InputError
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Train, Vehicle
 
 ENTRY_POINTS = "railvib.commands"
-
-UNITS = {
-    "bending_stiffness_n_m2": "N·m²",
-    "inertia_kg_m2": "kg·m²",
-    "_m_s": "m/s",
-    "_kg_m3": "kg/m³",
-    "_kg_m": "kg/m",
-    "_kg": "kg",
-    "_n_s_m": "N·s/m",
-    "_n_m2": "N/m²",
-    "_n_m": "N/m",
-    "_n": "N",
-    "_m3": "m³",
-    "_db": "dB",
-    "_m": "m",
-}
-"""Units by the endings of keys in study files, a longer ending before the shorter one that it contains."""
+LIBRARY = "library"
 
 
 class RefusedRequest(click.ClickException):
@@ -50,13 +27,14 @@ class Commands(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all sub-commands, of which none is imported."""
-        return sorted({*super().list_commands(ctx), *metadata.entry_points(group=ENTRY_POINTS).names})
+        return sorted({LIBRARY, *metadata.entry_points(group=ENTRY_POINTS).names})
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import and return a sub-command."""
-        own = super().get_command(ctx, cmd_name)
-        if own is not None:
-            return own
+        if cmd_name == LIBRARY:
+            from railvib.shelf import library
+
+            return library
         for point in metadata.entry_points(group=ENTRY_POINTS, name=cmd_name):
             command: click.Command = point.load()
             return command
@@ -74,95 +52,3 @@ class Commands(click.Group):
 @click.version_option(package_name="railvib")
 def main() -> None:
     """Predict ground-borne vibration from railway trains, and compare ways of computing it."""
-
-
-@main.command()
-@click.argument("kind", type=click.Choice(shelves.KINDS), required=False)
-@click.argument("name", required=False)
-def library(kind: shelves.Kind | None, name: str | None) -> None:
-    """Show what the library holds: all of it, one KIND of thing, or one NAME with parameters and sources."""
-    console = Console()
-    if kind is None:
-        for each in shelves.KINDS:
-            console.print(_shelf(each))
-    elif name is None:
-        console.print(_shelf(kind, sources=True))
-    else:
-        entry = shelves.entry(kind, name)
-        console.print(f"[bold]{kind} {name}[/]: {entry.title}", highlight=False)
-        console.print(f"Source: {entry.source}", highlight=False, markup=False)
-        console.print(_facts(entry), highlight=False, markup=False)
-        console.print(_parameters(entry))
-
-
-def _shelf(kind: shelves.Kind, *, sources: bool = False) -> Table:
-    table = Table(title=kind, title_justify="left", box=box.SIMPLE_HEAD)
-    table.add_column("name", no_wrap=True)
-    table.add_column("what it is")
-    if sources:
-        table.add_column("source")
-    for name in shelves.names(kind):
-        entry = shelves.entry(kind, name)
-        table.add_row(name, entry.title, *([entry.source] if sources else []))
-    return table
-
-
-def _parameters(entry: shelves.Entry) -> Table:
-    own_sources = bool(entry.sources)
-    table = Table(box=box.SIMPLE_HEAD)
-    table.add_column("parameter", no_wrap=True)
-    table.add_column("value", justify="right")
-    table.add_column("unit", no_wrap=True)
-    if own_sources:
-        table.add_column("source, where it is its own")
-    for key, value in entry.parameters.items():
-        note = entry.sources.get(key, "")
-        for place, leaf, number in _leaves(key, value):
-            table.add_row(place, _printed(number), unit_of(leaf), *([note] if own_sources else []))
-            note = ""  # once for all parameters below a key
-    return table
-
-
-def _facts(entry: shelves.Entry) -> str:
-    """Return what follows from the parameters and a reader would want beside them."""
-    thing = shelves.load(entry.kind, entry.name)
-    match thing:
-        case Train():
-            return f"Length {thing.length:g} m, {thing.axle_count} axles; vehicles from the head to the tail"
-        case Vehicle():
-            return f"Mass {thing.total_mass:,g} kg"
-        case Unevenness():
-            shortest, longest = thing.validity
-            density = float(thing.psd(2.0 * math.pi / 10.0))
-            return (
-                f"Stated for wavelengths from {shortest:g} to {longest:g} m; "
-                f"one-sided PSD {density:.3e} m²/(rad/m) at 10 m"
-            )
-        case _:
-            return "Parameters per metre of track" if entry.kind == "track" else "From the surface down"
-
-
-def _leaves(key: str, value: Any, place: str = "") -> Iterator[tuple[str, str, Any]]:
-    """Yield the place, the key and the value of each single parameter below a key."""
-    place = place or key
-    if isinstance(value, Mapping):
-        for inner, below in value.items():
-            yield from _leaves(inner, below, f"{place}.{inner}")
-    elif isinstance(value, Sequence) and not isinstance(value, str):
-        for index, below in enumerate(value):
-            yield from _leaves(key, below, f"{place}[{index}]")
-    else:
-        yield place, key, value
-
-
-def unit_of(key: str) -> str:
-    """Return the unit that a key of a study file names by its ending, nothing for pure numbers and names.
-
-    >>> unit_of("pad_stiffness_n_m2"), unit_of("rail_bending_stiffness_n_m2"), unit_of("loss_factor")
-    ('N/m²', 'N·m²', '')
-    """
-    return next((unit for ending, unit in UNITS.items() if key.endswith(ending)), "")
-
-
-def _printed(value: Any) -> str:
-    return f"{value:,.10g}" if isinstance(value, float) else str(value)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import kv
 
 from railvib.errors import InputError
 from railvib.ground import Ground
@@ -110,6 +109,8 @@ def ground_green_function(ground: Ground, distance: npt.ArrayLike, frequency: np
     -----
     (1/2π) ∫ Q33 J0(ρr) ρ dρ = Σ_j a_j K0(√(−z_j) r)/(2π).
     """
+    from scipy.special import kv  # slow to import, and not needed by a run
+
     r, f = np.broadcast_arrays(np.asarray(distance, float), np.asarray(frequency, float))
     _positive("distance", r.ravel(), "m")
     _positive("frequency", f.ravel(), "Hz")

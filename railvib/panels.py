@@ -9,15 +9,15 @@ from math import comb
 
 import numba
 import numpy as np
-from scipy.special import eval_legendre, roots_legendre
+from numpy.polynomial import legendre
 
 from railvib.blocks import STENCIL
 from railvib.vector_math import cos_sin
 
 ORDER = 12
 """Nodes of a panel."""
-NODE, WEIGHT = roots_legendre(ORDER)
-TO_LEGENDRE = np.array([eval_legendre(n, NODE) * WEIGHT * (2 * n + 1) / 2 for n in range(ORDER)])
+NODE, WEIGHT = legendre.leggauss(ORDER)
+TO_LEGENDRE = legendre.legvander(NODE, ORDER - 1).T * WEIGHT * (np.arange(ORDER) + 0.5)[:, None]
 """Legendre coefficients from the values at a panel's nodes: rows n, columns nodes."""
 BARYCENTRIC = np.array([1.0 / np.prod(each - np.delete(NODE, i)) for i, each in enumerate(NODE)])
 """Barycentric weights of the nodes."""

@@ -10,13 +10,13 @@ from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import roots_legendre
+from numpy.polynomial import legendre
 
 from railvib.flexibility import complex_flexibilities, surface_flexibilities
 from railvib.ground import Ground
 
-_COARSE_NODE, _COARSE_WEIGHT = roots_legendre(10)
-_FINE_NODE, _FINE_WEIGHT = roots_legendre(21)
+_COARSE_NODE, _COARSE_WEIGHT = legendre.leggauss(10)
+_FINE_NODE, _FINE_WEIGHT = legendre.leggauss(21)
 _MOST_ROUNDS = 60
 _MOST_PANELS = 20_000
 

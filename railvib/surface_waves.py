@@ -1,7 +1,6 @@
 """Surface waves of the ground: its Rayleigh modes, and the wave that track and ground carry together."""
 
 import numpy as np
-from scipy.optimize import newton
 
 from railvib.errors import InputError
 from railvib.flexibility import surface_flexibility
@@ -40,6 +39,8 @@ def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
     A mode is a pole of Q33. The poles of the rational fit near the real axis start a secant search on
     1/Q33 itself, which drops those that stand for a branch cut.
     """
+    from scipy.optimize import newton  # slow to import, and no worker needs it
+
     if not frequency > 0.0:
         raise InputError(f"frequency = {frequency} Hz: surface waves have a positive frequency")
     omega = 2.0 * np.pi * frequency

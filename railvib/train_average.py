@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 
 import numba
 import numpy as np
-from scipy.special import roots_legendre
 
 from railvib import blocks, cost
 from railvib.panels import ORDER, fourier_integrals, lagrange_weights
@@ -79,6 +78,8 @@ def train_integrals(
 
 def _points(axle_position: np.ndarray, wavelength: float) -> tuple[np.ndarray, np.ndarray]:
     """Return Gauss–Legendre points and weights between the axles, where the response has its kinks."""
+    from scipy.special import roots_legendre  # slow to import, and seldom needed
+
     points, weights = [], []
     for low, high in zip(axle_position[:-1], axle_position[1:], strict=True):
         node, weight = roots_legendre(

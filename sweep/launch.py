@@ -1,5 +1,6 @@
 """Who computes a run: this process, processes started here, or the workers of a cluster."""
 
+import importlib
 import os
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
@@ -106,18 +107,18 @@ class Launch:
         if self._starts_here:
             prefork.start(kinds)
 
-    def beside(self, function: Callable[[Argument], Result], argument: Argument) -> Result:
-        """Return what a function gives, called in a process that has loaded the kernels if there is one.
+    def beside(self, function: Callable[[Argument], Result], argument: Argument) -> Callable[[], Result]:
+        """Call a function in a process that has loaded the kernels, or here if there is none.
 
-        So the driver need not load them, and does not compile them while another process does.
+        So the driver need not load them, and does not compile them while another process does. What is
+        returned waits for the result.
         """
-        if not self._starts_here or not prefork.POSSIBLE:
-            return function(argument)
-        result = prefork.submit(function, argument)
-        import sweep.cluster  # which the run needs next; the other process is not ready yet
-
-        assert sweep.cluster
-        return result()
+        if self._starts_here and prefork.POSSIBLE:
+            waiting = prefork.submit(function, argument)
+            importlib.import_module("sweep.cluster")  # needed next, and the other process is not ready yet
+            return waiting
+        result = function(argument)
+        return lambda: result
 
     def check(self, directory: Path, store: str | None) -> None:
         """Ask whoever is to compute whether they can, before anything is written.

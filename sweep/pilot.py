@@ -22,7 +22,6 @@ from importlib import metadata, resources
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import nnls
 
 from railvib import blocks, library
 from railvib.cross_section import CrossSection
@@ -248,6 +247,8 @@ def _rates(sort: str, samples: Sequence[_Sample]) -> dict[str, float]:
 
 def _fitted(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[float]) -> dict[str, float]:
     """Return rates, none negative, that come nearest to what tasks took; short ones count as much as long."""
+    from scipy.optimize import nnls  # slow to import, and a pilot is rare
+
     amounts = np.array([[sample.amounts[name] for name in names] for sample in samples])
     weight = 1.0 / np.maximum(spent, 0.1 * np.max(spent) + 1e-4)
     scale = amounts.max(axis=0)

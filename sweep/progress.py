@@ -86,6 +86,10 @@ class Display:
         if self._bar:
             self._bar.stop()
 
+    def warn(self, text: str) -> None:
+        """Show a warning in a line of its own."""
+        self._console.print(f"warning: {text}", markup=False, highlight=False, soft_wrap=True)
+
     def update(self, task: "Task", outcome: "Outcome", tally: "Tally") -> None:
         """Show a task that has settled; failures always get a line."""
         elapsed = time.monotonic() - self._started
@@ -98,7 +102,7 @@ class Display:
                 soft_wrap=True,
             )
         for text in outcome.warnings:
-            self._console.print(f"warning: {text}", markup=False, highlight=False, soft_wrap=True)
+            self.warn(text)
         if self._bar:
             self._bar.update(self._line, completed=tally.settled, facts=facts)
         elif time.monotonic() - self._shown > PLAIN_INTERVAL_S or tally.settled == self._total:

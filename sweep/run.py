@@ -7,7 +7,7 @@ import platform
 import secrets
 import socket
 import time
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib import metadata
@@ -147,7 +147,11 @@ def check_directory(directory: Path, name: str) -> None:
 
 
 def execute(
-    request: Request, directory: Path, launch: Launch, planned: Mapping[str, Any] | None = None
+    request: Request,
+    directory: Path,
+    launch: Launch,
+    planned: Mapping[str, Any] | None = None,
+    cautions: Callable[[], list[str]] = list,
 ) -> int:
     """Compute what is missing, and leave the manifest; return the exit status.
 
@@ -161,6 +165,8 @@ def execute(
         Who computes.
     planned
         What it will take, for the manifest.
+    cautions
+        Gives what is implausible in the study, as soon as that is known; shown before the first result.
     """
     run_id = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{secrets.token_hex(4)}"
     manifest = _manifest(request, run_id, launch) | {"planned": planned, "measured": None}
@@ -172,7 +178,7 @@ def execute(
     began = time.perf_counter()
     tallies: list[Tally] = []
     try:
-        status = _compute(request, directory, run_id, launch, tallies)
+        status = _compute(request, directory, run_id, launch, tallies, cautions)
     except Exception:
         status = FAILED
         raise
@@ -207,7 +213,14 @@ def _measured(tallies: Sequence["Tally"], wall_s: float) -> dict[str, Any]:
     }
 
 
-def _compute(request: Request, directory: Path, run_id: str, launch: Launch, tallies: list["Tally"]) -> int:
+def _compute(
+    request: Request,
+    directory: Path,
+    run_id: str,
+    launch: Launch,
+    tallies: list["Tally"],
+    cautions: Callable[[], list[str]],
+) -> int:
     """Run the missing tasks, if any, and add a tally of each go.
 
     Without work there is no cluster, and nothing heavy is imported.
@@ -232,6 +245,8 @@ def _compute(request: Request, directory: Path, run_id: str, launch: Launch, tal
         asked = {unit.id for task in tasks.values() for unit in task.units}
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
         with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__, directory) as crew:
+            for text in cautions():  # found while the crew came together
+                display.warn(text)
 
             def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
                 if not tallies or tallies[-1] is not tally:
