@@ -197,7 +197,7 @@ def compare(
 def figures(named: Path, form: str, output: Path | None) -> None:
     """Draw the figures of RESULTS, a run directory or a database file, for print."""
     from queries import database, publication
-    from queries.figures import WORKERS, Crew
+    from queries.crew import WORKERS, Crew
 
     publication.refresh(named)
     place = database.locate(named)

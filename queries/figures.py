@@ -8,28 +8,22 @@ the study with more than one value.
 """
 
 import math
-import os
 import re
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_all_start_methods, get_context, parent_process
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import duckdb
 import numpy as np
 from numpy.typing import NDArray
 
-from queries import compare, database, plots
+from queries import compare, plots
 from queries.plots import Combination
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WORKERS = min(os.cpu_count() or 1, 4)
-"""Processes that draw."""
 _PASSING = 8
 """Multiples of the passing frequency of vehicles that a spectrum is marked with."""
 _SOILS, _COMBINATIONS, _OFFSETS, _SPEEDS = 4, 3, 6, 6
@@ -47,98 +41,8 @@ class Drawing:
     draw: Callable[[], "Figure"]
 
 
-def _end_with_parent() -> None:
-    """Let a process of a pool end when the one that it draws for has been killed; it would wait for ever."""
-    parent = parent_process()
-    assert parent is not None
-
-    def watch() -> None:
-        parent.join()
-        os._exit(1)
-
-    Thread(target=watch, daemon=True).start()
-
-
-class Crew:
-    """Processes that draw figures; made early, they load the plotting library while other work goes on.
-
-    Parameters
-    ----------
-    workers
-        How many; 0 draws in this process.
-    """
-
-    def __init__(self, workers: int) -> None:
-        self._pool: ProcessPoolExecutor | None = None
-        if workers:
-            kinds = get_all_start_methods()
-            context = get_context("forkserver" if "forkserver" in kinds else "spawn")
-            context.set_forkserver_preload(["__main__", __name__])  # loaded once for all
-            self._pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
-            for _ in range(workers):
-                self._pool.submit(os.getpid)
-
-    def __enter__(self) -> "Crew":
-        """Return itself; leaving the block waits for the processes to end."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
-
-    def start(
-        self, path: Path, folder: Path, kind: str = "png", every: bool = False
-    ) -> Callable[[], list[Path]]:
-        """Begin to draw the figures of a database into a folder.
-
-        Parameters
-        ----------
-        path
-            The database.
-        folder
-            Made if missing.
-        kind
-            png, svg or pdf.
-        every
-            Not those of the paper alone.
-
-        Returns
-        -------
-        Waits until all are drawn and returns their files; those of an earlier state are gone then.
-        """
-        folder.mkdir(parents=True, exist_ok=True)
-        with database.attach(path) as connection:
-            planned = drawings(connection, every)
-            files = [folder / f"{drawing.name}.{kind}" for drawing in planned]
-            if self._pool is None:
-                for drawing, file in zip(planned, files, strict=True):
-                    _write(drawing, file, kind)
-        # The last figures have the most panels: they come first, lest one process end long after the others.
-        pool, order = self._pool, reversed(files)
-        drawn = [] if pool is None else [pool.submit(_draw, path, file, kind) for file in order]
-
-        def finish() -> list[Path]:
-            for each in drawn:
-                each.result()
-            for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - set(files):
-                old.unlink()
-            return files
-
-        return finish
-
-
-def _draw(path: Path, file: Path, kind: str) -> None:
-    """Draw one figure of a database, in a process of a crew."""
-    with database.attach(path) as connection:
-        (drawing,) = [
-            each
-            for each in drawings(connection, every=True)
-            if each.name == file.name.removesuffix(f".{kind}")
-        ]
-        _write(drawing, file, kind)
-
-
-def _write(drawing: Drawing, file: Path, kind: str) -> None:
+def write(drawing: Drawing, file: Path, kind: str) -> None:
+    """Draw a figure into a file of a kind: png, svg or pdf."""
     metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
     partial = file.with_name(f"{file.name}.partial")
     # Half the time of writing a PNG goes into its last tenth of size.

@@ -105,7 +105,7 @@ def _measured_apart(name: str) -> Rates:
 
     done = subprocess.run(
         [sys.executable, "-m", "sweep.pilot", name],
-        env={**os.environ, **ENVIRONMENT},
+        env={**os.environ, **ENVIRONMENT, prefork.KINDS: units.__name__},
         stdout=subprocess.PIPE,
         check=True,
     )
@@ -114,12 +114,10 @@ def _measured_apart(name: str) -> Rates:
 
 def measure() -> Rates:
     """Run the pilot's tasks in this process, and return the rates."""
-    import distributed  # noqa: F401 - a worker has it loaded
     import psutil
 
-    from sweep import units
+    import sweep.preloaded  # noqa: F401 - what a worker has loaded
 
-    units.warm_up()
     idle = psutil.Process().memory_info().rss
     began = time.process_time()
     samples: dict[str, list[_Sample]] = {}

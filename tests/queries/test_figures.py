@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from queries import cli, database, error_plots, figures, plots
+from queries.crew import Crew
 from queries.ingest import ingest
 from queries.plots import Combination
 from tests.queries.run_directory import BANDS
@@ -31,7 +32,7 @@ def names(directory):
 
 
 def draw(directory, kind="png"):
-    return figures.Crew(0).start(directory / database.DATABASE, directory / "figures", kind)()
+    return Crew(0).start(directory / database.DATABASE, directory / "figures", kind)()
 
 
 def lines(axis):
@@ -244,6 +245,6 @@ def test_figures_that_several_processes_draw_are_the_same(study):
     ingest(directory)
     draw(directory)
     alone = {path.name: path.read_bytes() for path in (directory / "figures").iterdir()}
-    with figures.Crew(2) as crew:
+    with Crew(2) as crew:
         crew.start(directory / database.DATABASE, directory / "together")()
     assert {path.name: path.read_bytes() for path in (directory / "together").iterdir()} == alone
