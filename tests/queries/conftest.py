@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from queries import database, figures, schema
+from queries import crew, database, schema
 from queries.ingest import ingest
 from tests.queries.run_directory import Study
 
@@ -24,7 +24,7 @@ def _quick_creation(empty, monkeypatch):
         return schema.open_for_writing(path)
 
     monkeypatch.setattr(schema, "create", create)
-    monkeypatch.setattr(figures, "WORKERS", 0)
+    monkeypatch.setattr(crew, "WORKERS", 0)
 
 
 @pytest.fixture
