@@ -218,7 +218,7 @@ def report(named: Path, output: Path | None) -> None:
     from queries.report import write
 
     publication.refresh(named)
-    with database.connect(named) as connection:
+    with database.connect(named, bounded=True) as connection:
         click.echo(write(connection, output or database.locate(named).report))
 
 

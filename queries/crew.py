@@ -145,7 +145,7 @@ def _drawn(order: _Order) -> dict[int, Path]:
     from queries import database, figures
 
     done: dict[int, Path] = {}
-    with database.attach(order.path) as connection:
+    with database.attach(order.path, bounded=True) as connection:
         planned = figures.drawings(connection, order.every)
         # The last figures have the most panels: they come first, lest one process end long after the others.
         waiting = list(enumerate(planned))[::-1]

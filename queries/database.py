@@ -7,12 +7,15 @@ read-only, no other file can be reached, and the configuration cannot be changed
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import duckdb
 
 from queries import schema
 
 DATABASE = "results.duckdb"
+MEMORY = "128MB"
+"""What figures and report take of a database at a time."""
 
 
 class ResultsError(Exception):
@@ -66,7 +69,9 @@ def locate(named: Path | str) -> Place:
     return Place(named, named / DATABASE, named)
 
 
-def connect(named: Path | str, other: Path | str | None = None) -> duckdb.DuckDBPyConnection:
+def connect(
+    named: Path | str, other: Path | str | None = None, bounded: bool = False
+) -> duckdb.DuckDBPyConnection:
     """Return a connection that can only read the published results of a run directory or a database file.
 
     Parameters
@@ -75,13 +80,15 @@ def connect(named: Path | str, other: Path | str | None = None) -> duckdb.DuckDB
         Run directory or database file.
     other
         Another one, whose tables and views appear with the prefix `other.`.
+    bounded
+        Keep memory bounded, see `attach`.
 
     Raises
     ------
     ResultsError
         If there is no run directory, no database in it, or the file cannot be read by this version.
     """
-    return attach(_published(named), None if other is None else _published(other))
+    return attach(_published(named), None if other is None else _published(other), bounded=bounded)
 
 
 def _published(named: Path | str) -> Path:
@@ -93,7 +100,9 @@ def _published(named: Path | str) -> Path:
     return path
 
 
-def attach(path: Path, other: Path | None = None, anyform: bool = False) -> duckdb.DuckDBPyConnection:
+def attach(
+    path: Path, other: Path | None = None, anyform: bool = False, bounded: bool = False
+) -> duckdb.DuckDBPyConnection:
     """Return a read-only connection to one database file, or to two.
 
     The file is attached to a connection of its own rather than opened: DuckDB shares an opened file within a
@@ -105,11 +114,16 @@ def attach(path: Path, other: Path | None = None, anyform: bool = False) -> duck
         The files; the first is the one that names mean, the second has the prefix `other.`.
     anyform
         Accept a file whose tables and views are those of another version.
+    bounded
+        Hold no more than MEMORY of the file and of what is made of it, whatever its size; what is beyond it
+        goes to a folder beside the file. Otherwise nothing is written, and memory is what the machine has.
     """
-    connection = duckdb.connect(
-        ":memory:",
-        config={"python_enable_replacements": False, "temp_directory": "", "preserve_insertion_order": True},
-    )
+    config: dict[str, Any] = {
+        "python_enable_replacements": False,
+        "temp_directory": f"{path}.tmp" if bounded else "",
+        "preserve_insertion_order": True,
+    }
+    connection = duckdb.connect(":memory:", config=config | ({"memory_limit": MEMORY} if bounded else {}))
     at = path
     try:
         for at, name in (*([] if other is None else [(other, "other")]), (path, "results")):

@@ -24,6 +24,9 @@ _ABANDONED_S = 3600.0
 _FROM_ARRAYS = ("bands", "receptances", "series", "ingested")
 """Tables filled from the store, unit by unit; psd_lines follows series."""
 
+_MEMORY = "64MB"
+"""What DuckDB may hold of the rows from arrays, whose number has no bound; the rest is in the file."""
+
 _FROM_RECORDS = ("units", "unit_costs", "failures")
 
 
@@ -218,6 +221,7 @@ def _fill(connection: duckdb.DuckDBPyConnection, source: _Source) -> list[str]:
     failed = [_failure(record) for record in source.failures]
     units: list[Row] = []
     costs: list[Row] = []
+    connection.execute(f"SET memory_limit = '{_MEMORY}'")
     keys: list[Row] = []
     unreadable: list[str] = []
     for record in records.committed(source.directory):
@@ -234,6 +238,7 @@ def _fill(connection: duckdb.DuckDBPyConnection, source: _Source) -> list[str]:
         )
         costs += [{**record, **cost} for cost in record.get("costs", [])]
     writer.flush()
+    connection.execute("RESET memory_limit")
     for table, rows in (("ingested", keys), ("units", units), ("unit_costs", costs), ("failures", failed)):
         writer.rows(table, [{**row, "source": number} for row in rows])
     return unreadable

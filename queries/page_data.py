@@ -22,6 +22,8 @@ LINES_BYTES = 3_000_000
 """Share of the page for narrow-band spectra, before it is written as text."""
 MOST_BINS, FEW_BINS, LEAST_BINS = 1000, 300, 100
 """Bins of a thinned spectrum: at most, so few that only dynamic ones are shown, or fewer cases."""
+_CASES_AT_ONCE = 2
+"""Cases whose spectra are read by one query."""
 CONTRIBUTIONS = ("dynamic", "quasi-static", "total")
 _NONE = -32768
 _SYMBOLS = {"o": "circle", "s": "square", "D": "diamond", "^": "triangle-up", "v": "triangle-down", "x": "x"}
@@ -223,7 +225,7 @@ def _packed(connection: duckdb.DuckDBPyConnection, plan: _Thinning, sizes: _Size
     ]
     if plan.cases < len(numbers):
         numbers = [numbers[round(at)] for at in np.linspace(0, len(numbers) - 1, plan.cases)]
-    chosen = "list_contains($1, case_number)" + (" AND contribution = 'dynamic'" if plan.dynamic_only else "")
+    chosen = "case_number = $1" + (" AND contribution = 'dynamic'" if plan.dynamic_only else "")
     level = "decibel(CASE WHEN page_receivers.quantity = 'wheel_rail_force' THEN {0} ELSE {0} * 1e18 END)"
     if plan.bins:
         position = f"least({plan.bins - 1}, floor({plan.bins} * ln(frequency_hz / first) / ln(last / first)))"
@@ -235,39 +237,35 @@ def _packed(connection: duckdb.DuckDBPyConnection, plan: _Thinning, sizes: _Size
     else:
         select = "SELECT case_number, place, receiver, frequency_hz AS spot, value AS low, value AS high"
         group = ""
-    found = connection.execute(
+    query = (
         f"WITH lines AS ({select} FROM psd_lines JOIN page_series USING (series_id) "
         f"JOIN page_grids USING (case_number) WHERE {chosen} AND frequency_hz > 0 {group}) "
-        "SELECT case_number, place, lines.receiver, spot, first, last, "
+        "SELECT place, lines.receiver, spot, first, last, "
         f"{level.format('low')} AS low, {level.format('high')} AS high FROM lines "
-        "JOIN page_receivers ON page_receivers.number = lines.receiver JOIN page_grids USING (case_number) "
-        "ORDER BY case_number, place, lines.receiver, spot",
-        [numbers],
-    ).fetchnumpy()
-    columns = {name: _filled(array) for name, array in found.items()}
+        "JOIN page_receivers ON page_receivers.number = lines.receiver JOIN page_grids USING (case_number)"
+    )
     spectra = []
-    key = columns["place"].astype(np.int64) * sizes.receivers + columns["receiver"].astype(np.int64)
-    for number in numbers:
-        own = slice(*np.searchsorted(columns["case_number"], [number, number + 1]))
-        spectra.append({"case": int(number), **_spectra_of_case(columns, key, own, plan, sizes)})
+    for number in numbers:  # one after the other: their lines would take ten times the memory of the page
+        found = connection.execute(query, [number]).fetchnumpy()
+        columns = {name: _filled(array) for name, array in found.items()}
+        spectra.append({"case": int(number), **_spectra_of_case(columns, plan, sizes)})
     return spectra
 
 
-def _spectra_of_case(
-    columns: dict[str, NDArray[Any]], key: NDArray[np.int64], own: slice, plan: _Thinning, sizes: _Sizes
-) -> Data:
-    ids, inverse = np.unique(key[own], return_inverse=True)
-    at = columns["spot"][own]
+def _spectra_of_case(columns: dict[str, NDArray[Any]], plan: _Thinning, sizes: _Sizes) -> Data:
+    key = columns["place"].astype(np.int64) * sizes.receivers + columns["receiver"].astype(np.int64)
+    ids, inverse = np.unique(key, return_inverse=True)
+    at = columns["spot"]
     if plan.bins:
-        first, last = columns["first"][own][0], columns["last"][own][0]
+        first, last = columns["first"][0], columns["last"][0]
         frequency = first * (last / first) ** ((np.arange(plan.bins) + 0.5) / plan.bins)
         packed = np.full((ids.size, plan.bins, 2), _NONE, dtype="<i2")
-        packed[inverse, at.astype(int), 0] = _hundredths(columns["low"][own])
-        packed[inverse, at.astype(int), 1] = _hundredths(columns["high"][own])
+        packed[inverse, at.astype(int), 0] = _hundredths(columns["low"])
+        packed[inverse, at.astype(int), 1] = _hundredths(columns["high"])
     else:
         frequency, place = np.unique(at, return_inverse=True)
         packed = np.full((ids.size, frequency.size), _NONE, dtype="<i2")
-        packed[inverse, place] = _hundredths(columns["high"][own])
+        packed[inverse, place] = _hundredths(columns["high"])
     return {
         "places": (ids // sizes.receivers % (sizes.approaches * len(CONTRIBUTIONS))).tolist(),
         "receivers": (ids % sizes.receivers).tolist(),

@@ -37,7 +37,7 @@ def after_run(directory: Path) -> None:
     # Whoever draws loads the plotting library while the database is made, and draws while the report is.
     with Crew(WORKERS if is_outdated(directory) else 0) as crew:
         ingest(directory)
-        with database.connect(directory) as connection:
+        with database.connect(directory, bounded=True) as connection:
             now, before = database.snapshot(connection), report.shown(place.report)
             stale = before[1:] != now[1:] or not _drawn(connection, place.figures)
             drawing = crew.start(place.path, place.figures) if stale else None

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 _NUMBERS = ("INTEGER", "BIGINT", "DOUBLE")
-_HELD_ROWS = 4_000_000
-"""Rows that are held in memory before they are inserted, some 100 MB."""
+_HELD_ROWS = 400_000
+"""Rows that are held in memory before they are inserted, some 10 MB."""
 
 
 @dataclass
@@ -67,7 +67,7 @@ class Writer:
             self.flush()
 
     def flush(self) -> None:
-        """Insert what is held."""
+        """Insert what is held, for good: the memory of a transaction grows with its rows."""
         for table, held in self._held.items():
             numbers = {name: np.concatenate(parts) for name, parts in held.numbers.items()}
             shared = [(name, kind) for name, kind in self._columns[table] if name not in numbers]
@@ -87,6 +87,8 @@ class Writer:
             self.connection.register("given", numbers)
             self._insert(table, expressions, source)
         self._held.clear()
+        self.connection.commit()
+        self.connection.begin()
 
     def _insert(self, table: str, expressions: Iterable[str], source: str) -> None:
         self.connection.execute(f"INSERT INTO {table} SELECT {', '.join(expressions)} FROM {source}")

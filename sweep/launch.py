@@ -2,8 +2,8 @@
 
 import importlib
 import os
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -152,7 +152,7 @@ class Launch:
         from sweep import engine
 
         if self.scheduler is None and self.file is None and self.processes == 0:
-            return nullcontext(engine.ThisProcess())
+            return _alone()
         from sweep import cluster
 
         if self.scheduler is not None:
@@ -162,3 +162,12 @@ class Launch:
 
             return jobs.crew(self.file, directory, tasks, kinds, self.dashboard)
         return cluster.local(min(self.processes, tasks), kinds, self.dashboard)
+
+
+@contextmanager
+def _alone() -> Iterator["Crew"]:
+    """Compute in this process, which needs its memory for the results afterwards."""
+    from sweep import engine, task
+
+    yield engine.ThisProcess()
+    task.forget()

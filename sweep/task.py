@@ -125,8 +125,18 @@ class Cache:
             _, (_, freed) = self._results.popitem(last=False)
             self._held -= freed
 
+    def clear(self) -> None:
+        """Let go of all."""
+        self._results.clear()
+        self._held = 0
+
 
 _cache = Cache(CACHE_BYTES)
+
+
+def forget() -> None:
+    """Let go of what is held for further tasks of this process."""
+    _cache.clear()
 
 
 def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
