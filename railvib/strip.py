@@ -88,6 +88,7 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
                     imag[k, i] += gr[i] * hi + gi[i] * hr
     for k in range(m):
         if offset[k] < b:
-            real[k] += constant.real / (2.0 * b)
-            imag[k] += constant.imag / (2.0 * b)
+            for i in range(n):  # as one statement on rows this would take Numba two seconds more to compile
+                real[k, i] += constant.real / (2.0 * b)
+                imag[k, i] += constant.imag / (2.0 * b)
     return real, imag

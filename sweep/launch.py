@@ -149,8 +149,6 @@ class Launch:
 
         Workers that are started for it are stopped at the end, whatever happens.
         """
-        from sweep import engine
-
         if self.scheduler is None and self.file is None and self.processes == 0:
             return _alone()
         from sweep import cluster
