@@ -1,6 +1,7 @@
 """Processes that draw figures while other work goes on."""
 
 import gc
+import importlib
 import os
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -93,9 +94,7 @@ class Crew:
 
 def _serve(orders: Connection, workers: int) -> None:
     """Load the plotting library, and carry out orders until there are no more."""
-    from queries import figures
-
-    assert figures
+    importlib.import_module("queries.plots")
     gc.freeze()  # what is loaded stays: nobody need look there for garbage
     while True:
         try:

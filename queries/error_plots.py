@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from queries.appearance import label, legend, level_axis, name_panel, page
+from queries.combination import Combination
 from queries.lines import approach_line
-from queries.plots import Combination, Legend
+from queries.plots import Legend
 from queries.table import band
 
 _SHOWN_BANDS_HZ = (8.0, 16.0, 31.5, 63.0)

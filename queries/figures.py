@@ -12,14 +12,15 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import duckdb
 import numpy as np
 from numpy.typing import NDArray
 
-from queries import compare, plots
-from queries.plots import Combination
+from queries import compare
+from queries.combination import Combination, columns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -135,7 +136,7 @@ def _unevenness(connection: duckdb.DuckDBPyConnection, names: _Names) -> list[Dr
         Drawing(
             names.name(3, "unevenness"),
             "Unevenness of the rail in one-third octaves of wavelength, dB re 1e-6 m.",
-            lambda: plots.unevenness(connection, shown),
+            _bind(lambda plots: plots.unevenness, connection, shown),
         )
     ]
 
@@ -156,7 +157,7 @@ def _receptances(connection: duckdb.DuckDBPyConnection, names: _Names, soils: li
                             4 + min(place, 1), "receptance", f"{soil}-{track}" if len(tracks) > 1 else soil
                         ),
                         f"Rail receptance under the load, {soil}, {track}: magnitude and phase.",
-                        _bind(plots.receptance, connection, soil, track, speeds),
+                        _bind(lambda plots: plots.receptance, connection, soil, track, speeds),
                     )
                 )
     return plan
@@ -179,7 +180,7 @@ def _cases(
     plan = []
     for case in combinations:
         about = f"{case.train} on {case.track}, {case.unevenness}, {case.speed_kmh:g} km/h"
-        receivers = plots.columns(
+        receivers = columns(
             connection,
             "SELECT DISTINCT soil, receiver, offset_m FROM levels WHERE track = $1 AND train = $2 AND "
             "unevenness = $3 "
@@ -194,7 +195,7 @@ def _cases(
                         names.name(6 + min(place, 1), "force", soil, case),
                         f"Wheel-rail force of the leading and the trailing axle of the leading bogie, "
                         f"{soil}: {about}.",
-                        _bind(plots.force, connection, soil, case, approaches),
+                        _bind(lambda plots: plots.force, connection, soil, case, approaches),
                     )
                 )
         for group in (soils[start : start + _SOILS] for start in range(0, len(soils), _SOILS)):
@@ -205,7 +206,7 @@ def _cases(
                     Drawing(
                         names.name(8, "rail", None, case),
                         f"Rail velocity in one-third octaves: {about}.",
-                        _bind(plots.rail, connection, on_rail, case, approaches),
+                        _bind(lambda plots: plots.rail, connection, on_rail, case, approaches),
                     )
                 )
             with_lines = [
@@ -218,7 +219,7 @@ def _cases(
                     Drawing(
                         names.name(9, "narrow-band", None, case),
                         f"Narrow-band spectrum of the rail velocity: {about}.",
-                        _bind(_narrow_band, connection, with_lines, case),
+                        _bind(lambda _: _narrow_band, connection, with_lines, case),
                     )
                 )
             if on_ground:
@@ -227,7 +228,7 @@ def _cases(
                     Drawing(
                         names.name(10, "ground", None, case),
                         f"Ground velocity in one-third octaves at each distance from the track: {about}.",
-                        _bind(plots.ground, connection, on_ground, case, approaches, offsets),
+                        _bind(lambda plots: plots.ground, connection, on_ground, case, approaches, offsets),
                     )
                 )
     return plan
@@ -248,7 +249,7 @@ def _worth(
             names.name(11, "distance", None, case),
             f"Ground velocity against distance: {case.train} on {case.track}, {case.unevenness}, "
             f"{case.speed_kmh:g} km/h.",
-            _bind(error_plots.distance, connection, soils, case, approaches),
+            _bind(lambda _: error_plots.distance, connection, soils, case, approaches),
         )
         for case in combinations
         if on_ground
@@ -257,7 +258,7 @@ def _worth(
         Drawing(
             names.name(12, "error", approach),
             f"Mean error of {approach} on the ground, all cases: level minus that of {against}.",
-            _bind(error_plots.error_map, connection, soils, approach, against),
+            _bind(lambda _: error_plots.error_map, connection, soils, approach, against),
         )
         for approach in compare.in_order(compared)
         if on_ground
@@ -267,7 +268,7 @@ def _worth(
             Drawing(
                 names.name(13, "cost"),
                 "Mean size of the error against processor time, a point per case and approach.",
-                _bind(error_plots.cost, connection, approaches),
+                _bind(lambda _: error_plots.cost, connection, approaches),
             )
         )
     return plan
@@ -275,12 +276,14 @@ def _worth(
 
 def _narrow_band(connection: duckdb.DuckDBPyConnection, soils: Sequence[str], case: Combination) -> "Figure":
     """Draw the rail's narrow-band spectra of the reference and of the first other approach."""
+    from queries import plots
+
     against = compare.reference(connection)
     others = [name for name in compare.approaches(connection) if name != against]
     spectra: dict[str, dict[str, tuple[NDArray[Any], NDArray[Any]]]] = {}
     for soil in soils:
         for approach in (against, *others[:1]):
-            data = plots.columns(
+            data = columns(
                 connection,
                 "SELECT frequency_hz, value FROM psd JOIN current_units USING (source, unit_id, case_id, "
                 "approach) "
@@ -299,9 +302,15 @@ def _narrow_band(connection: duckdb.DuckDBPyConnection, soils: Sequence[str], ca
     return plots.narrow_band(spectra, (ends[0], ends[1]), passing)
 
 
-def _bind(draw: Callable[..., "Figure"], *given: Any) -> Callable[[], "Figure"]:
-    """Fix what a plot is drawn from now, not when the loop around it has gone on."""
-    return lambda: draw(*given)
+def _bind(which: Callable[[ModuleType], Callable[..., "Figure"]], *given: Any) -> Callable[[], "Figure"]:
+    """Fix what a plot is drawn from now; the plotting library is loaded when it is drawn."""
+
+    def draw() -> "Figure":
+        from queries import plots
+
+        return which(plots)(*given)
+
+    return draw
 
 
 def _unique(items: Any) -> list[Any]:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import duckdb
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from queries.appearance import band_axis, label, legend, level_axis, name_panel, page
+from queries.combination import Combination, columns
 from queries.lines import Line, approach_line, numbered_line, plain
 
 _VELOCITY = "velocity level [dB re 1e-9 m/s]"
@@ -20,20 +20,6 @@ _FORCE = "force level [dB re 1 N]"
 _FREQUENCY = "frequency [Hz]"
 _NARROW_RANGE_DB = 70.0
 """What the narrow-band figure shows below its peak."""
-
-
-@dataclass(frozen=True)
-class Combination:
-    """A track, train, unevenness and speed, which several soils may share."""
-
-    track: str
-    train: str
-    unevenness: str
-    speed_kmh: float
-
-    def parameters(self, soil: str) -> list[Any]:
-        """Return soil and combination as the parameters of a query over cases."""
-        return [soil, self.track, self.train, self.unevenness, self.speed_kmh]
 
 
 class Legend:
@@ -68,19 +54,6 @@ class Legend:
         """Put the legend above the panels."""
         if self.handles:
             legend(figure, list(self.handles.values()), list(self.handles))
-
-
-def columns(
-    connection: duckdb.DuckDBPyConnection, query: str, given: Sequence[Any] = ()
-) -> dict[str, NDArray[Any]]:
-    """Return the columns of a query as arrays; NULL becomes NaN."""
-    found = connection.execute(query, list(given)).fetchnumpy()
-    return {
-        name: array.filled(np.nan)
-        if isinstance(array, np.ma.MaskedArray) and array.dtype.kind == "f"
-        else np.asarray(array)
-        for name, array in found.items()
-    }
 
 
 def unevenness(connection: duckdb.DuckDBPyConnection, names: Sequence[str]) -> Figure:

@@ -30,7 +30,7 @@ def after_run(directory: Path) -> None:
     """
     from rich.console import Console
 
-    from queries import report
+    from queries import figures, report
     from queries.crew import WORKERS, Crew
 
     place = database.locate(directory)
@@ -39,20 +39,13 @@ def after_run(directory: Path) -> None:
         ingest(directory)
         with database.connect(directory, bounded=True) as connection:
             now, before = database.snapshot(connection), report.shown(place.report)
-            stale = before[1:] != now[1:] or not _drawn(connection, place.figures)
+            stale = before[1:] != now[1:] or not figures.drawn(connection, place.figures)
             drawing = crew.start(place.path, place.figures) if stale else None
             if before != now:
                 report.write(connection, place.report)
             if drawing is not None:
                 drawing()
             show(connection, place, Console())
-
-
-def _drawn(connection: duckdb.DuckDBPyConnection, folder: Path) -> bool:
-    """Return whether all figures are there."""
-    from queries import figures  # loads the plotting library
-
-    return figures.drawn(connection, folder)
 
 
 def show(
