@@ -33,6 +33,7 @@ SETTINGS: dict[str, Any] = {
     "distributed.nanny.pre-spawn-environ": ENVIRONMENT,
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.limit": "10s",
+    "distributed.admin.low-level-log-length": 100,  # of what is kept for who debugs Dask
     "distributed.comm.timeouts.connect": "30s",
 }
 

@@ -180,13 +180,13 @@ def test_of_two_results_that_differ_one_counts_and_neither_is_torn(tmp_path, out
 
 
 @pytest.mark.slow
-def test_two_drivers_at_once_share_a_store(here, computed):
+def test_two_drivers_at_once_share_a_store(here, computed, outside):
     other = STUDY.replace('"small"', '"other"').replace("german-low", "german-high")
     (here / "other.toml").write_text(other, encoding="utf-8")
     code = "from railvib.cli import main; main()"
     drivers = [
         subprocess.Popen(
-            [sys.executable, "-c", code, "run", f"{name}.toml", "--workers", "1", "--store", "shared"],
+            [sys.executable, "-c", code, "run", f"{name}.toml", "--workers", "1", "--store", outside],
             stderr=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             text=True,
@@ -196,6 +196,9 @@ def test_two_drivers_at_once_share_a_store(here, computed):
     said = [driver.communicate(timeout=300)[1] for driver in drivers]
     assert [driver.returncode for driver in drivers] == [0, 0], said
     small, other = here / "runs" / "small", here / "runs" / "other"
+    manifests = [records.Run.load(directory) for directory in (small, other)]
+    assert max(each["started"] for each in manifests) < min(each["finished"] for each in manifests)
+    assert [each["store"] for each in manifests] == [outside, outside]
     assert arrays(small) == arrays(computed / "out")
     both = {**arrays(small), **arrays(other)}
     assert len(both) == len(arrays(small)) + 2  # but for the other study's spectra all is shared
@@ -204,8 +207,8 @@ def test_two_drivers_at_once_share_a_store(here, computed):
         for record in records.committed(directory):
             store.check(directory, record)
     by_run = {record["run_id"] for record in records.committed(small) if record["kind"] in SHARED}
-    assert by_run <= {records.Run.load(directory)["run_id"] for directory in (small, other)}
+    assert by_run <= {each["run_id"] for each in manifests}
     groups = [record["group"] for record in records.committed(small) if record["kind"] in SHARED]
-    assert sum(len(location.at("shared").names(f"{store.STORE}/{kind}")) for kind in SHARED) == len(
+    assert sum(len(location.at(outside).names(f"{store.STORE}/{kind}")) for kind in SHARED) == len(
         groups
     ) + len(SHARED)  # the same bytes whoever computed them: one group each, beside the zarr.json of its kind
