@@ -19,7 +19,7 @@ import numba
 import numpy as np
 
 from railvib import cost, threads
-from railvib.forces import arrivals, force_matrices
+from railvib.forces import arrivals, axle_forces
 from railvib.panels import BARYCENTRIC, NODE, ORDER, WEIGHT
 from railvib.receptance import Receptances
 from railvib.transfer import Receiver, TransferFunction, same_nodes, together
@@ -101,7 +101,7 @@ def excitation(
     beta = np.concatenate([first, first[-1] + coarse * np.arange(1, max(count, 8) + 1)])
     frequency = np.maximum(beta / per_hz, _LOWEST_HZ)
     phase = arrivals(train, frequency, speed)
-    force = np.einsum("flp,fp->fl", force_matrices(train, moving, frequency), phase)
+    force = axle_forces(train, moving, frequency, phase)
     amplitude = force * phase.conj() * np.sqrt(unevenness.uncut.psd(frequency * per_hz))[:, None]
     shortest, longest = unevenness.cut_offs
     ends = (2.0 * np.pi / longest, 2.0 * np.pi / shortest if shortest > 0.0 else np.inf)

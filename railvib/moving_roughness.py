@@ -125,12 +125,15 @@ def _mark_panels(edge, transfer, squared, size, needed):
             squared[p] = 0.0
 
 
-def axle_pairs(integrals: LineIntegrals, axle_position: np.ndarray) -> np.ndarray:
-    """Return M(α_l − α_m, f) for every two axles, (lines, axles, axles), m³/N²."""
-    column = np.searchsorted(
-        integrals.distance, np.round(np.abs(axle_position[:, None] - axle_position[None, :]), 9) - 1e-8
-    )
-    return np.asarray(integrals.integral[:, column])
+def axle_pairs(integrals: LineIntegrals, axle_position: np.ndarray, rows: slice = slice(None)) -> np.ndarray:
+    """Return M(α_l − α_m, f) for every two axles on some or all lines, (lines, axles, axles), m³/N²."""
+    return np.asarray(integrals.integral[rows][:, _columns(integrals.distance, axle_position)])
+
+
+def _columns(distance: np.ndarray, axle_position: np.ndarray) -> np.ndarray:
+    """Return which of ascending distances every two axles have, (axles, axles)."""
+    between = np.round(np.abs(axle_position[:, None] - axle_position[None, :]), 9)
+    return np.asarray(np.searchsorted(distance, between - 1e-8))
 
 
 def products(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
@@ -152,9 +155,45 @@ def products(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
     return np.asarray(force.conj().swapaxes(1, 2) @ _responses(pairs, force))
 
 
-def own_products(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Return ∫ |u_p|² dx of every set of forces alone, (lines, sets), m³: the diagonal of `products`."""
-    return np.asarray(np.einsum("flp,flp->fp", force.conj(), _responses(pairs, force)).real)
+def force_products(force: np.ndarray) -> np.ndarray:
+    """Return Σ_s P_ls* P_ms over sets of forces (lines, axles, sets): (lines, axles, axles), N²."""
+    return np.asarray(force.conj() @ force.swapaxes(1, 2))
+
+
+def line_means(
+    integrals: Mapping[Receiver, LineIntegrals], rows: slice, axle_position: np.ndarray, product: np.ndarray
+) -> dict[Receiver, np.ndarray]:
+    """Return ∫ |u|² dx over the whole line of the displacements that forces make at some receivers.
+
+    Parameters
+    ----------
+    integrals
+        M(d, f) of the receivers, at the same distances.
+    rows
+        Which of their lines.
+    axle_position
+        α, m, (axles,).
+    product
+        The forces' products from `force_products` at these lines, (lines, axles, axles), N².
+
+    Returns
+    -------
+    dict of ndarray, shape (lines,)
+        Σ_lm P_l* P_m M(α_l − α_m), m³.
+
+    Notes
+    -----
+    M is real and even, so that only the real part of the products counts, summed by distance.
+    """
+    distance = next(iter(integrals.values())).distance
+    column = _columns(distance, axle_position).ravel()
+    order = np.argsort(column, kind="stable")
+    found, first = np.unique(column[order], return_index=True)
+    summed = np.add.reduceat(product.real.reshape(product.shape[0], -1)[:, order], first, axis=1)
+    return {
+        receiver: np.asarray(np.einsum("fd,fd->f", each.integral[rows][:, found], summed))
+        for receiver, each in integrals.items()
+    }
 
 
 def _responses(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:

@@ -7,9 +7,9 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from railvib import bands, cost
-from railvib.forces import arrivals, axle_numbers, force_matrices
+from railvib.forces import arrivals, axle_forces, axle_numbers, force_matrices
 from railvib.full_model import excitation, passage_spectra, quasi_static_spectra
-from railvib.moving_roughness import LineIntegrals, axle_pairs, own_products, products
+from railvib.moving_roughness import LineIntegrals, axle_pairs, force_products, line_means, products
 from railvib.receptance import Receptances
 from railvib.train_average import TrainIntegrals
 from railvib.transfer import Receiver, TransferFunction
@@ -23,6 +23,8 @@ APPROACHES: tuple[Approach, ...] = get_args(Approach)
 
 _STEPS_PER_RIPPLE = 8
 _COARSEST_STEP = 0.125
+_LINES_AT_ONCE = 128
+"""Lines of a standing train whose matrices are made together: few enough to stay in the cache."""
 
 
 @dataclass(frozen=True)
@@ -148,38 +150,30 @@ def spectra(
     f = lines(midband, line_step(train.length, speed, refinement))
     per_hz = 2.0 * np.pi / speed
     uneven = unevenness.psd(f * per_hz) * per_hz
-    matrices = force_matrices(train, rail, f)
     phase = arrivals(train, f, speed)
-    if approach == "moving-roughness-uncorrelated":
-        force = (np.abs(matrices) ** 2).sum(axis=2)
+    if approach == "full":
+        if highest is None:
+            raise ValueError("the full model needs the highest frequency of excitation")
+        force = np.abs(axle_forces(train, rail, f, phase)) ** 2
+        with cost.stage("excitation"):
+            excited = excitation(train, rail, unevenness, speed, highest, refinement)
+        passing = passage_spectra(receivers, excited, train.length, speed, f)
+        displacement = {receiver: {"line": psd} for receiver, psd in passing.items()}
+    elif integrals is None:
+        raise ValueError("the moving roughness needs line integrals")
     else:
-        force = np.abs(np.einsum("flp,fp->fl", matrices, phase)) ** 2
+        force, means = _standing(approach, train, rail, f, phase, integrals, over_train or {})
+        displacement = {
+            receiver: {name: mean / train.length * uneven for name, mean in each.items()}
+            for receiver, each in means.items()
+        }
     series = [
         _Series("dynamic", "wheel_rail_force", f"axle-{number}", "line", np.nan, force[:, axle] * uneven)
         for axle, number in enumerate(axle_numbers(train))
     ]
-    if approach == "full":
-        if highest is None:
-            raise ValueError("the full model needs the highest frequency of excitation")
-        with cost.stage("excitation"):
-            excited = excitation(train, rail, unevenness, speed, highest, refinement)
-        passing = passage_spectra(receivers, excited, train.length, speed, f)
-    elif integrals is None:
-        raise ValueError("the moving roughness needs line integrals")
     still = quasi_static_spectra(receivers, train, speed, f)
     for receiver in receivers:
-        displacement: dict[str, np.ndarray] = {}
-        if integrals is None or approach == "full":
-            displacement["line"] = passing[receiver]
-        else:
-            with cost.stage("line average"):
-                pairs = {"line": axle_pairs(integrals[receiver], train.axle_positions)}
-                if over_train is not None:
-                    pairs["train"] = over_train[receiver].integral
-                for averaging, each in pairs.items():
-                    mean = _mean(approach, each, matrices, phase)
-                    displacement[averaging] = mean / train.length * uneven
-        series += _velocities(receiver, f, displacement, still[receiver])
+        series += _velocities(receiver, f, displacement[receiver], still[receiver])
     with cost.stage("bands"):
         psd = np.array([each.psd for each in series])
         mean_square = bands.band_mean_squares(f, psd, midband)
@@ -224,12 +218,80 @@ def _velocities(
     return rows
 
 
-def _mean(approach: Approach, pairs: np.ndarray, matrices: np.ndarray, phase: np.ndarray) -> np.ndarray:
-    """Return ∫ |u|² dx per unit unevenness, m³ per m² of unevenness."""
-    if approach in ("moving-roughness", "fe-be"):  # Eq. 23: one set of forces, that of all axles together
-        product = products(pairs, np.einsum("flp,fp->fl", matrices, phase)[..., None])
-        return np.asarray(product[:, 0, 0].real)
-    if approach == "moving-roughness-uncorrelated":  # Eq. 28
-        return np.asarray(own_products(pairs, matrices).sum(axis=1))
-    by_axle = products(pairs, matrices)  # H^p* H^q, each axle's unevenness alone
-    return np.asarray(np.einsum("fpq,fp,fq->f", by_axle, phase.conj(), phase, optimize=True).real)  # Eq. 27
+Means = dict[Receiver, dict[str, np.ndarray]]
+"""∫ |u|² dx on some lines by receiver and averaging, m³ per m² of unevenness."""
+
+
+def _standing(
+    approach: Approach,
+    train: Train,
+    rail: Receptances,
+    frequency: np.ndarray,
+    phase: np.ndarray,
+    integrals: Mapping[Receiver, LineIntegrals],
+    over_train: Mapping[Receiver, TrainIntegrals],
+) -> tuple[np.ndarray, Means]:
+    """Return what a standing train does per unit unevenness: |P|², (lines, axles), N²/m², and ∫ |u|² dx."""
+    force = np.empty(phase.shape)
+    parts: list[Means] = []
+    for start in range(0, frequency.size, _LINES_AT_ONCE):
+        here = slice(start, start + _LINES_AT_ONCE)
+        if approach == "moving-roughness-by-axle":
+            matrices = force_matrices(train, rail, frequency[here])
+            sets = matrices @ phase[here, :, None]
+            with cost.stage("line average"):
+                parts.append(_means_by_axle(train, matrices, phase[here], here, integrals, over_train))
+        else:
+            if approach == "moving-roughness-uncorrelated":  # Eq. 28: each axle's unevenness alone
+                sets = force_matrices(train, rail, frequency[here])
+            else:  # Eq. 23: one set of forces, that of all axles together
+                sets = axle_forces(train, rail, frequency[here], phase[here])[..., None]
+            with cost.stage("line average"):
+                parts.append(_means(train, sets, here, integrals, over_train))
+        force[here] = (np.abs(sets) ** 2).sum(axis=2)
+    joined = {
+        receiver: {name: np.concatenate([part[receiver][name] for part in parts]) for name in each}
+        for receiver, each in parts[0].items()
+    }
+    return force, joined
+
+
+def _means(
+    train: Train,
+    sets: np.ndarray,
+    rows: slice,
+    integrals: Mapping[Receiver, LineIntegrals],
+    over_train: Mapping[Receiver, TrainIntegrals],
+) -> Means:
+    """Return ∫ |u|² dx summed over sets of forces (lines, axles, sets), each alone."""
+    product = force_products(sets)
+    means = {
+        receiver: {"line": mean}
+        for receiver, mean in line_means(integrals, rows, train.axle_positions, product).items()
+    }
+    for receiver, each in over_train.items():
+        means[receiver]["train"] = np.einsum("flm,flm->f", product, each.integral[rows]).real
+    return means
+
+
+def _means_by_axle(
+    train: Train,
+    matrices: np.ndarray,
+    phase: np.ndarray,
+    rows: slice,
+    integrals: Mapping[Receiver, LineIntegrals],
+    over_train: Mapping[Receiver, TrainIntegrals],
+) -> Means:
+    """Return ∫ |u|² dx from the products H^p* H^q of the responses to each axle's unevenness (Eq. 27)."""
+    means: Means = {}
+    for receiver, each in integrals.items():
+        pairs = {"line": axle_pairs(each, train.axle_positions, rows)}
+        if over_train:
+            pairs["train"] = over_train[receiver].integral[rows]
+        means[receiver] = {
+            averaging: np.einsum(
+                "fpq,fp,fq->f", products(pair, matrices), phase.conj(), phase, optimize=True
+            ).real
+            for averaging, pair in pairs.items()
+        }
+    return means
