@@ -19,6 +19,9 @@ ORDER = 12
 NODE, WEIGHT = legendre.leggauss(ORDER)
 TO_LEGENDRE = legendre.legvander(NODE, ORDER - 1).T * WEIGHT * (np.arange(ORDER) + 0.5)[:, None]
 """Legendre coefficients from the values at a panel's nodes: rows n, columns nodes."""
+UPWARD = np.array([(2.0 * n + 1.0) / (n + 1.0) for n in range(ORDER)])
+DOWNWARD = np.array([n / (n + 1.0) for n in range(ORDER)])
+"""Of the recurrence P_{n+1} = upward x P_n − downward P_{n−1}."""
 BARYCENTRIC = np.array([1.0 / np.prod(each - np.delete(NODE, i)) for i, each in enumerate(NODE)])
 """Barycentric weights of the nodes."""
 _MOST_PHASE = 8.0
@@ -32,9 +35,14 @@ def nodes_between(edge: np.ndarray) -> np.ndarray:
     return np.asarray((middle[..., None] + half[..., None] * NODE).reshape(*edge.shape[:-1], -1))
 
 
+def to_legendre(value: np.ndarray) -> np.ndarray:
+    """Return the Legendre coefficients of functions at the nodes of panels, (…, order)."""
+    return np.asarray(value @ TO_LEGENDRE.T)
+
+
 def unresolved(value: np.ndarray) -> np.ndarray:
     """Return the size of the last Legendre coefficients of panels (…, panels × order), shape (…, panels)."""
-    coefficient = value.reshape(*value.shape[:-1], -1, ORDER) @ TO_LEGENDRE.T
+    coefficient = to_legendre(value.reshape(*value.shape[:-1], -1, ORDER))
     return np.asarray(np.abs(coefficient[..., -2:]).max(axis=-1))
 
 

@@ -212,6 +212,7 @@ def predict(
                 integrals.get(model),
                 highest,
                 over_train.get(model),
+                tolerance,
                 refinement,
             )
         )

@@ -7,8 +7,9 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from railvib import bands, cost
+from railvib.excitation import excitation
 from railvib.forces import arrivals, axle_forces, axle_numbers, force_matrices
-from railvib.full_model import excitation, passage_spectra, quasi_static_spectra
+from railvib.full_model import passage_spectra, quasi_static_spectra
 from railvib.moving_roughness import LineIntegrals, axle_pairs, force_products, line_means, products
 from railvib.receptance import Receptances
 from railvib.train_average import TrainIntegrals
@@ -115,6 +116,7 @@ def spectra(
     integrals: Mapping[Receiver, LineIntegrals] | None = None,
     highest: float | None = None,
     over_train: Mapping[Receiver, TrainIntegrals] | None = None,
+    tolerance: float = 1e-4,
     refinement: int = 1,
 ) -> Spectra:
     """Predict the spectra of one case by one approach.
@@ -139,6 +141,8 @@ def spectra(
     over_train
         Their integrals over the train on `lines`, where the moving roughness is wanted averaged so as well
         (Eq. 26).
+    tolerance
+        Relative error allowed in the excitation of the full model.
     refinement
         For studies of convergence: 2 halves the step of the lines and of the full model's excitation.
 
@@ -156,7 +160,7 @@ def spectra(
             raise ValueError("the full model needs the highest frequency of excitation")
         force = np.abs(axle_forces(train, rail, f, phase)) ** 2
         with cost.stage("excitation"):
-            excited = excitation(train, rail, unevenness, speed, highest, refinement)
+            excited = excitation(train, rail, unevenness, speed, highest, tolerance, refinement)
         passing = passage_spectra(receivers, excited, train.length, speed, f)
         displacement = {receiver: {"line": psd} for receiver, psd in passing.items()}
     elif integrals is None:

@@ -307,6 +307,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}
                 if "train" in inputs["averaging"]
                 else None,
+                inputs["tolerance"],
             )
         }
 

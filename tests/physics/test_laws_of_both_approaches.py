@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from railvib import bands
+from railvib.excitation import excitation, resolved
 from railvib.forces import arrivals, axle_distances, force_matrices
-from railvib.full_model import Excitation, excitation, passage_spectra
+from railvib.full_model import passage_spectra
 from railvib.ground import Ground, Layer
 from railvib.moving_roughness import axle_pairs, line_integrals, products
 from railvib.receptance import Receptances, receptance_block
@@ -126,19 +127,13 @@ def test_frozen_full_model_is_moving_roughness(receiver, functions, train):
     alpha = train.axle_positions
     force = np.random.default_rng(6).normal(size=(16, 2)) @ np.array([1.0, 1j])
     largest = max(block.largest for block in functions[receiver].blocks.values())
-    step = 0.05 / np.ptp(alpha)
-    count = int((largest + 2.0 * np.pi * f[-1] / SPEED) / step) + 20
-    beta = step * np.arange(count)
+    reach = largest + 2.0 * np.pi * f[-1] / SPEED
     full = np.zeros(f.size)
     for part in (force.real, force.imag):
-        amplitude = part * np.exp(-1j * beta[:, None] * alpha)
-        full += passage_spectra(
-            {receiver: functions[receiver]},
-            Excitation((step, step), 40, amplitude, alpha),
-            train.length,
-            SPEED,
-            f,
-        )[receiver]
+        excited = resolved(
+            lambda beta, part=part: part * np.exp(-1j * beta[:, None] * alpha), reach, alpha, tolerance=1e-6
+        )
+        full += passage_spectra({receiver: functions[receiver]}, excited, train.length, SPEED, f)[receiver]
     integrals = line_integrals(functions, axle_distances(train), f)[receiver]
     # MR: (1/L) ∫|u|²dx S_w 2π/v with S_w = 1.
     moving = (
@@ -171,13 +166,13 @@ class TestSlowTrain:
         standing = Receptances(
             receptance_block(functions["rail"], track, 0.0, [0.0], block) for block in range(-3, 3)
         )
-        step = 0.02 * 2.0 * np.pi / speed
-        beta = step * np.arange(int(reach * 2.0 * np.pi / speed / step))
-        own = np.maximum(beta * speed / (2.0 * np.pi), 0.01)
-        amplitude = (self.force(moving.at(own)[:, 0], own) * np.sqrt(ROUGH.psd(2.0 * np.pi * own / speed)))[
-            :, None
-        ]
-        excited = Excitation((step, step), 40, amplitude, np.array([0.0]))
+
+        def amplitude(beta):
+            own = np.maximum(beta * speed / (2.0 * np.pi), 0.01)
+            unevenness = np.sqrt(ROUGH.psd(2.0 * np.pi * own / speed))
+            return (self.force(moving.at(own)[:, 0], own) * unevenness)[:, None]
+
+        excited = resolved(amplitude, reach * 2.0 * np.pi / speed, np.array([0.0]))
         full = passage_spectra({receiver: functions[receiver]}, excited, 1.0, speed, f)[receiver]
         force = self.force(standing.at(f)[:, 0], f)[:, None, None]
         mean = line_products(line_integrals(functions, [0.0], f)[receiver], np.array([0.0]), force)[

@@ -11,8 +11,9 @@ import numba
 import numpy as np
 import pytest
 
+from railvib.excitation import excitation
 from railvib.forces import arrivals, axle_distances, force_matrices
-from railvib.full_model import excitation, passage_spectra, quasi_static_spectra
+from railvib.full_model import passage_spectra, quasi_static_spectra
 from railvib.ground import Ground, Layer
 from railvib.rational_fit import fit_flexibility
 from railvib.receptance import Receptances, receptance_block
