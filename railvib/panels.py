@@ -5,8 +5,6 @@ e^{iβd} dβ are sums over the nodes where few oscillations fit into the panel, 
 spherical Bessel functions where many do (Filon): ∫ P_n(t) e^{iθt} dt = 2 iⁿ j_n(θ).
 """
 
-from math import comb
-
 import numba
 import numpy as np
 from numpy.polynomial import legendre
@@ -154,33 +152,51 @@ def _spherical_bessel(h, distance, out):
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def panel_weights(x, weight):
-    """Write the weights of a panel's nodes for interpolation at x in [−1, 1] (barycentric form)."""
-    _barycentric_weights(x, NODE, BARYCENTRIC, weight)
+def panel_weights(count, x, weight, room):
+    """Write the weights of a panel's nodes for interpolation at `count` places x in [−1, 1].
+
+    Parameters
+    ----------
+    count
+        How many places.
+    x
+        The places, at least (count,).
+    weight
+        Where the weights are written, (order, at least count).
+    room
+        Room to work in, at least (count,).
+    """
+    _lagrange_products(count, x, NODE, BARYCENTRIC, weight, room)
 
 
-_BINOMIAL = np.array([(-1.0) ** m * comb(STENCIL - 1, m) for m in range(STENCIL)])
 _EQUIDISTANT = np.arange(STENCIL, dtype=float)
+_OVER_DIFFERENCES = np.array(
+    [1.0 / np.prod(each - np.delete(_EQUIDISTANT, i)) for i, each in enumerate(_EQUIDISTANT)]
+)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def stencil_weights(t, weight):
-    """Write the weights of equidistant points 0, 1, … for interpolation at t (barycentric form)."""
-    _barycentric_weights(t, _EQUIDISTANT, _BINOMIAL, weight)
+def stencil_weights(count, t, weight, room):
+    """Write the weights of equidistant points 0, 1, … for interpolation at places t, as `panel_weights`."""
+    _lagrange_products(count, t, _EQUIDISTANT, _OVER_DIFFERENCES, weight, room)
 
 
 @numba.njit(forceinline=True, error_model="numpy")
-def _barycentric_weights(x, node, factor, weight):
-    """Write the weights for interpolation at x; on a node, that of all others is nothing."""
-    total = 0.0
-    for m in range(weight.shape[0]):
-        away = x - node[m]
-        weight[m] = factor[m] / (away if abs(away) > 1e-200 else 1e-200)
-    for m in range(weight.shape[0]):
-        total += weight[m]
-    total = 1.0 / total
-    for m in range(weight.shape[0]):
-        weight[m] *= total
+def _lagrange_products(count, x, node, factor, weight, product):
+    """Write Lagrange's weights: without a division, and exact on the nodes."""
+    nodes = node.shape[0]
+    for i in range(count):
+        product[i] = 1.0
+    for k in range(nodes):
+        for i in range(count):
+            weight[k, i] = product[i]
+            product[i] *= x[i] - node[k]
+    for i in range(count):
+        product[i] = 1.0
+    for k in range(nodes - 1, -1, -1):
+        for i in range(count):
+            weight[k, i] *= factor[k] * product[i]
+            product[i] *= x[i] - node[k]
 
 
 @numba.njit(forceinline=True, error_model="numpy")

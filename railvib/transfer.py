@@ -19,8 +19,8 @@ import numba
 import numpy as np
 
 from railvib import blocks
-from railvib.blocks import STENCIL
-from railvib.panels import ORDER, count_below, nodes_between, panel_weights, stencil_weights
+from railvib.panels import nodes_between
+from railvib.scattered import Places
 from railvib.track import Track, track_response
 from railvib.vector_math import cos_sin, exp
 
@@ -273,17 +273,13 @@ class TransferFunction:
             table = self.blocks[int(block)]
             f = frequency[here]
             beta = np.minimum(wavenumber[here], table.largest)
-            place = (
-                blocks.position(table.block, table.level, f),
-                f,
-                beta,
-                table.edge,
-                table.top_slowness,
-                table.largest,
+            dense = 2.0 * np.pi * table.top_slowness * f
+            places = Places(
+                blocks.position(table.block, table.level, f), dense, beta, table.edge, table.largest
             )
 
-            def between(rows: np.ndarray, level: int, place: _Place = place) -> np.ndarray:
-                return np.asarray(_interpolated(*place, np.ascontiguousarray(rows).view(float)))[:, None]
+            def between(rows: np.ndarray, level: int, places: Places = places) -> np.ndarray:
+                return places.interpolated(rows)[:, None]
 
             found = loaded([self], table.block, f, beta[:, None], between)[0][:, 0]
             value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)
@@ -396,49 +392,3 @@ def loaded(
 
 def _phase(table: TransferBlock, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
     return decay(frequency, wavenumber, table.distance, table.reference_slowness)
-
-
-_Place = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float, float]
-"""Where scattered points lie: their row numbers, f and β; the panels' edges, top slowness and largest β."""
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _interpolated(at, frequency, beta, edge, top_slowness, largest, table):
-    """Interpolate at scattered points: Lagrange in ln f, polynomial in a panel.
-
-    The table is (frequency, real and imaginary parts in turn at the nodes).
-    """
-    out = np.empty(at.shape[0], np.complex128)
-    stencil = np.empty(STENCIL)
-    basis = np.empty(ORDER)
-    panel = np.empty(2 * ORDER)
-    for i in range(at.shape[0]):
-        row = min(max(int(np.floor(at[i])) - STENCIL // 2 + 1, 0), table.shape[0] - STENCIL)
-        stencil_weights(at[i] - row, stencil)
-        dense = 2.0 * np.pi * frequency[i] * top_slowness
-        u = beta[i] / dense
-        if u <= 1.0:
-            p = max(count_below(edge, u) - 1, 0)
-            low = dense * edge[p]
-            high = dense * edge[p + 1]
-        else:
-            octaves = np.log(largest / dense)
-            u = min(1.0 + np.log(u) / octaves, 2.0)
-            p = max(count_below(edge, u) - 1, 0)
-            low = dense * exp((edge[p] - 1.0) * octaves)
-            high = dense * exp((edge[p + 1] - 1.0) * octaves)
-        panel_weights((2.0 * beta[i] - low - high) / (high - low), basis)
-        for j in range(2 * ORDER):
-            panel[j] = 0.0
-        for m in range(STENCIL):
-            w = stencil[m]
-            values = table[row + m, 2 * ORDER * p : 2 * ORDER * (p + 1)]
-            for j in range(2 * ORDER):
-                panel[j] += w * values[j]
-        real = 0.0
-        imag = 0.0
-        for j in range(ORDER):
-            real += basis[j] * panel[2 * j]
-            imag += basis[j] * panel[2 * j + 1]
-        out[i] = complex(real, imag)
-    return out
