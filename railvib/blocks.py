@@ -22,6 +22,7 @@ SHIFT = 0.05
 """Decimal logarithm of the edge of block 0 in Hz."""
 STENCIL = 2 * HALO
 """Points of the interpolation along frequency."""
+_DIFFERENCES = np.array([np.prod([i - j for j in range(STENCIL) if j != i]) for i in range(STENCIL)])
 
 
 def edges(block: int) -> tuple[float, float]:
@@ -75,11 +76,11 @@ def stencils(block: int, level: int, f: np.ndarray) -> tuple[np.ndarray, np.ndar
     at = position(block, level, f)
     first = np.clip(np.floor(at).astype(int) - HALO + 1, 0, indices(block, level).size - STENCIL)
     away = (at - first)[:, None] - np.arange(STENCIL)
-    weight = np.empty((f.size, STENCIL))
-    for i in range(STENCIL):
-        others = np.delete(np.arange(STENCIL), i)
-        weight[:, i] = away[:, others].prod(axis=1) / (i - others).prod()
-    return first, weight
+    ones = np.ones((f.size, 1))
+    # Of every row the product over all others: those before it times those after it.
+    before = np.cumprod(np.concatenate([ones, away[:, :-1]], axis=1), axis=1)
+    after = np.cumprod(np.concatenate([ones, away[:, :0:-1]], axis=1), axis=1)[:, ::-1]
+    return first, before * after / _DIFFERENCES
 
 
 def interpolated(block: int, level: int, f: np.ndarray, table: np.ndarray) -> np.ndarray:

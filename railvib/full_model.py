@@ -68,7 +68,6 @@ def passage_spectra(
                 on_panels = value.reshape(*value.shape[:2], -1, ORDER)
                 integrals = _wavenumber_integrals(
                     receivers[members[0]].blocks[block].nodes.panel_edges(f),
-                    (on_panels.real**2 + on_panels.imag**2).max(axis=-1),
                     to_legendre(on_panels).view(float),
                     2.0 * np.pi * f / speed,
                     parts,
@@ -84,19 +83,20 @@ def passage_spectra(
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _wavenumber_integrals(edge, size, transfer, shift, parts, rows, beta_edge, lowest, highest):
+def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest, highest):
     """Return ∫ |H̃(κ)|² |A(κ + shift)|² dκ over lowest ≤ |κ + shift| ≤ highest, (lines, receivers).
 
     Panels of κ and those of β cut each other into parts with nodes of their own. `transfer` holds the
-    Legendre series of H̃, (receivers, lines, panels, 2·order), real and imaginary parts in turn, and `size`
-    the largest |H̃|² on each panel; `rows` tells which lines of `parts`, from `Excitation.turned`, these are.
+    Legendre series of H̃, (receivers, lines, panels, 2·order), real and imaginary parts in turn; `rows` tells
+    which lines of `parts`, from `Excitation.turned`, these are.
     """
-    receivers, lines, panels = size.shape
+    receivers, lines, panels, _ = transfer.shape
     out = np.zeros((lines, receivers))
     tiny = 1e-12 * beta_edge[-1]
     terms = parts.shape[3]
     amplitude = np.empty((2, 2 * terms))
     needed = np.empty(panels, np.bool_)
+    share = np.empty(panels)
     line = np.empty(_PARTS, np.int64)
     place = np.empty((5, _PARTS))
     series = np.empty((1 + receivers, 2 * ORDER, _PARTS))
@@ -104,7 +104,7 @@ def _wavenumber_integrals(edge, size, transfer, shift, parts, rows, beta_edge, l
     count = 0
     for i in range(lines):
         _amplitudes(parts, rows[i], amplitude)
-        _mark_needed(edge[i], size[:, i], needed)
+        _mark_needed(edge[i], transfer[:, i], share, needed)
         for p in range(panels):
             if not needed[p]:
                 continue
@@ -214,15 +214,19 @@ def _excited_panel(edge, kappa, side, shift, tiny):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _mark_needed(edge, size, needed):
+def _mark_needed(edge, transfer, share, needed):
     """Mark the panels in which a receiver has more than a negligible share of ∫ |H̃|² dκ."""
     needed[:] = False
-    for q in range(size.shape[0]):
+    for q in range(transfer.shape[0]):
         total = 0.0
-        for p in range(needed.shape[0]):
-            total += (edge[p + 1] - edge[p]) * size[q, p]
-        for p in range(needed.shape[0]):
-            if (edge[p + 1] - edge[p]) * size[q, p] >= _NEGLIGIBLE * total:
+        for p in range(share.shape[0]):
+            share[p] = 0.0
+            for n in range(ORDER):  # Parseval: ∫ P_n² dx = 2/(2n + 1)
+                squared = transfer[q, p, 2 * n] ** 2 + transfer[q, p, 2 * n + 1] ** 2
+                share[p] += (edge[p + 1] - edge[p]) * squared / (2.0 * n + 1.0)
+            total += share[p]
+        for p in range(share.shape[0]):
+            if share[p] >= _NEGLIGIBLE * total:
                 needed[p] = True
 
 
