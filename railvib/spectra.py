@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from railvib import bands, cost
+from railvib import bands, cost, threads
 from railvib.excitation import excitation
 from railvib.forces import arrivals, axle_forces, axle_numbers, force_matrices
 from railvib.full_model import passage_spectra, quasi_static_spectra
@@ -178,7 +178,7 @@ def spectra(
     still = quasi_static_spectra(receivers, train, speed, f)
     for receiver in receivers:
         series += _velocities(receiver, f, displacement[receiver], still[receiver])
-    with cost.stage("bands"):
+    with cost.stage("bands"), threads.single():
         psd = np.array([each.psd for each in series])
         mean_square = bands.band_mean_squares(f, psd, midband)
         lower, upper = bands.edges(midband)

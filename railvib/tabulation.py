@@ -15,7 +15,7 @@ import numpy as np
 from railvib import blocks, cost
 from railvib.ground import Ground
 from railvib.ground_fits import GroundFits
-from railvib.panels import unresolved
+from railvib.panels import nodes_between, unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.strip import strip_compliances
 from railvib.track import Track, track_response
@@ -137,7 +137,8 @@ class Evaluation:
         with cost.stage("transfer functions") as spent:
             if fit.error <= 1e-2 * self.tolerance:
                 real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, self.offsets)
-                compliance = real + 1j * imag
+                compliance = np.empty(real.shape, complex)
+                compliance.real, compliance.imag = real, imag
             else:
                 self.failed.add(f)
                 compliance = np.array(
@@ -152,7 +153,10 @@ class Evaluation:
             rail, force = track_response(self.track, beta, 2.0 * np.pi * f, self.compliance)
             spent.evaluations += beta.size
             spent.kernel_calls += 1
-        return np.concatenate([rail[None], force * compliance])
+        values = np.empty((1 + self.offsets.size, beta.size), complex)
+        values[0] = rail
+        np.multiply(force, compliance, out=values[1:])
+        return values
 
 
 Model = Callable[[GroundFits, Track, Iterable[float], float], Evaluation]
@@ -176,11 +180,14 @@ class _Samples:
 
     def at(self, level: int, ks: np.ndarray, receivers: list[Receiver]) -> dict[Receiver, np.ndarray]:
         """Return values (frequencies, nodes) of receivers, of the ground at 0, and of C(β, 0) if known."""
-        rows = [self._row(level, int(k), receivers) for k in ks]
+        beta = self.nodes.wavenumber(blocks.frequency(level, ks))
+        rows = [self._row(level, int(k), own, receivers) for k, own in zip(ks, beta, strict=True)]
         names = [name for name in (self.COMPLIANCE, 0.0, *receivers) if name in rows[0]]
         return {name: np.array([row[name] for row in rows]) for name in dict.fromkeys(names)}
 
-    def _row(self, level: int, k: int, receivers: list[Receiver]) -> dict[Receiver, np.ndarray]:
+    def _row(
+        self, level: int, k: int, beta: np.ndarray, receivers: list[Receiver]
+    ) -> dict[Receiver, np.ndarray]:
         while level > 0 and k % 2 == 0:
             level, k = level - 1, k // 2
         known = self._known.setdefault((level, k), {})
@@ -188,7 +195,6 @@ class _Samples:
         if missing:
             offsets = [float(each) for each in missing if each != "rail"]
             evaluate = self._model(self.fits, self.track, offsets, self.tolerance)
-            beta = self.nodes.wavenumber(blocks.frequency(level, np.array([k])))[0]
             values = evaluate(level, k, beta)
             known.update({each: values[evaluate.row(each)] for each in (0.0, *missing)})
             if evaluate.compliance is not None:
@@ -214,7 +220,8 @@ def _resolved_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> 
     peak = np.zeros((ks.size, 1 + evaluate.offsets.size))
     for _ in range(_MOST_HALVINGS):
         # Each pending panel alone, between its own two edges.
-        beta = np.concatenate([Nodes(top, largest, each).wavenumber(frequency) for each in pending], axis=1)
+        ends = Nodes(top, largest, pending.ravel()).panel_edges(frequency).reshape(ks.size, -1, 2)
+        beta = nodes_between(ends).reshape(ks.size, -1)
         values = np.array([evaluate(0, int(k), row) for k, row in zip(ks, beta, strict=True)])
         peak = np.maximum(peak, np.abs(values).max(axis=2))
         bad = (unresolved(values) > 1e-2 * tolerance * peak[..., None]).any(axis=(0, 1))
@@ -308,17 +315,10 @@ def _interpolated(
         transfer=table.transfer[rows],
         compliance=None if table.compliance is None else table.compliance[rows],
     )
+    near.reduced(track)  # once for all reference waves
+    functions = [TransferFunction([near.referred_to(slowness)], track) for slowness in slownesses]
     beta = table.nodes.wavenumber(frequency)
-    return [
-        loaded(
-            [TransferFunction([replace(near, reference_slowness=slowness)], track)],
-            table.block,
-            frequency,
-            beta,
-            between,
-        )[0]
-        for slowness in slownesses
-    ]
+    return list(loaded(functions, table.block, frequency, beta, between))
 
 
 def _rational_form(fits: GroundFits, level: int, ks: np.ndarray) -> dict[str, np.ndarray]:

@@ -120,11 +120,18 @@ def track_response(
     CONVENTIONS section 3; Sheng, Jones and Petyt (1999). Written with the ground's flexibility, so that a
     rigid or a very stiff ground needs no division by it.
     """
-    beta, w, c = np.broadcast_arrays(
-        np.asarray(wavenumber, float), np.asarray(omega, float), np.asarray(compliance, complex)
-    )
-    rail, force = _responses(beta.ravel(), w.ravel(), c.ravel(), *_parameters(track))
-    return rail.reshape(beta.shape), force.reshape(beta.shape)
+    given = np.asarray(wavenumber, float), np.asarray(omega, float), np.asarray(compliance, complex)
+    shape = np.broadcast_shapes(*(each.shape for each in given))
+    beta, w, c = (each.ravel() if each.shape == shape else _filled(each, shape) for each in given)
+    rail, force = _responses(beta, w, c, *_parameters(track))
+    return rail.reshape(shape), force.reshape(shape)
+
+
+def _filled(value: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Return values broadcast to a shape, flat; `np.broadcast_to` would cost more than the track itself."""
+    filled = np.empty(shape, value.dtype)
+    filled[...] = value
+    return filled.ravel()
 
 
 @lru_cache(64)

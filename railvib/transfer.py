@@ -13,7 +13,8 @@ exactly: rails on pads resonate more sharply than damped ground, and would ask f
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numba
 import numpy as np
@@ -110,6 +111,32 @@ class TransferBlock:
         """The nodes of the block."""
         return Nodes(self.top_slowness, self.largest, self.edge)
 
+    @cached_property
+    def _reduced(self) -> dict[Track | None, np.ndarray]:
+        return {}
+
+    def reduced(self, track: Track | None) -> np.ndarray:
+        """Return what is interpolated: the receiver's compliance without the reference wave's decay.
+
+        Without the track, or where the table holds no compliance, the transfer function without it. It is
+        kept with the table, which many cases share.
+        """
+        if track not in self._reduced:
+            value = self.transfer / _phase(self, self.frequency, self.wavenumber)
+            if track is not None and self.compliance is not None:
+                omega = 2.0 * np.pi * self.frequency[:, None]
+                value /= track_response(track, self.wavenumber, omega, self.compliance)[1]
+            self._reduced[track] = value
+        return self._reduced[track]
+
+    def referred_to(self, slowness: float) -> "TransferBlock":
+        """Return the table with another reference wave, and with what has been reduced so far."""
+        other = replace(self, reference_slowness=slowness)
+        for track, value in self._reduced.items():
+            taken_out = _phase(other, self.frequency, self.wavenumber)
+            other._reduced[track] = value * (_phase(self, self.frequency, self.wavenumber) / taken_out)
+        return other
+
     def shortfall(self, tolerance: float) -> str | None:
         """Return what to say where the table misses a tolerance, else None."""
         if self.interpolation_error <= tolerance:
@@ -198,7 +225,6 @@ class TransferFunction:
         self.lowest = float(blocks.edges(min(self.blocks))[0])
         self.highest = float(blocks.edges(max(self.blocks))[1])
         self.reach = min(each.largest for each in self.blocks.values())
-        self._reduced: dict[int, np.ndarray] = {}
 
     def at(self, block: int, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Interpolate to other frequencies of a block, on its nodes.
@@ -285,17 +311,6 @@ class TransferFunction:
             value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)
         return value
 
-    def reduced(self, block: int) -> np.ndarray:
-        """Return what is interpolated, the receiver's compliance without the reference wave's decay."""
-        if block not in self._reduced:
-            table = self.blocks[block]
-            value = table.transfer / _phase(table, table.frequency, table.wavenumber)
-            if self.track is not None and table.compliance is not None:
-                omega = 2.0 * np.pi * table.frequency[:, None]
-                value /= track_response(self.track, table.wavenumber, omega, table.compliance)[1]
-            self._reduced[block] = value
-        return self._reduced[block]
-
 
 def same_nodes(
     receivers: Mapping[Receiver, TransferFunction], frequency: np.ndarray
@@ -370,7 +385,7 @@ def loaded(
         away = table.distance > 0.0
         if function.track is None or table.compliance is None:
             np.multiply(
-                between(function.reduced(block), table.level),
+                between(table.reduced(function.track), table.level),
                 _phase(table, frequency, wavenumber),
                 out=value,
             )
@@ -385,7 +400,7 @@ def loaded(
         elif not away:
             np.multiply(force, under, out=value)
         else:
-            np.multiply(force, between(function.reduced(block), table.level), out=value)
+            np.multiply(force, between(table.reduced(function.track), table.level), out=value)
             value *= _phase(table, frequency, wavenumber)
     return values
 
