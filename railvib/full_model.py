@@ -95,18 +95,18 @@ def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest,
     tiny = 1e-12 * beta_edge[-1]
     terms = parts.shape[3]
     amplitude = np.empty((2, 2 * terms))
-    needed = np.empty(panels, np.bool_)
+    needed = np.empty((receivers, panels), np.bool_)
     share = np.empty(panels)
     line = np.empty(_PARTS, np.int64)
-    place = np.empty((5, _PARTS))
-    series = np.empty((1 + receivers, 2 * ORDER, _PARTS))
+    place = np.zeros((5, _PARTS))
+    series = np.zeros((1 + receivers, 2 * ORDER, _PARTS))
     squares = np.empty((2 + receivers, _PARTS))
     count = 0
     for i in range(lines):
         _amplitudes(parts, rows[i], amplitude)
         _mark_needed(edge[i], transfer[:, i], share, needed)
         for p in range(panels):
-            if not needed[p]:
+            if not needed[:, p].any():
                 continue
             low = edge[i, p]
             high = edge[i, p + 1]
@@ -136,8 +136,9 @@ def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest,
                         series[0, 2 * n, count] = amplitude[0, first + n]
                         series[0, 2 * n + 1, count] = amplitude[1, first + n]
                     for q in range(receivers):
+                        # Nothing where another receiver alone needs the panel: none depends on the others.
                         for n in range(2 * ORDER):
-                            series[1 + q, n, count] = transfer[q, i, p, n]
+                            series[1 + q, n, count] = transfer[q, i, p, n] if needed[q, p] else 0.0
                     line[count] = i
                     count += 1
                     if count == _PARTS:
@@ -149,16 +150,17 @@ def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest,
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _add_parts(count, place, series, squares, line, out):
-    """Add the integrals over some parts to the sums of their lines; `squares` is room to work in."""
+    """Add the integrals over some parts to the sums of their lines; `squares` is room to work in.
+
+    All places are computed, whatever the count, so that each goes through the same vector instructions.
+    """
     receivers = series.shape[0] - 1
-    for q in range(receivers):
-        for m in range(count):
-            squares[2 + q, m] = 0.0
+    squares[2:] = 0.0
     for j in range(ORDER):
-        _squares(count, place[0], place[1], NODE[j], series[0], squares[0])
+        _squares(place[0], place[1], NODE[j], series[0], squares[0])
         for q in range(receivers):
-            _squares(count, place[2], place[3], NODE[j], series[1 + q], squares[1])
-            for m in range(count):
+            _squares(place[2], place[3], NODE[j], series[1 + q], squares[1])
+            for m in range(_PARTS):
                 squares[2 + q, m] += WEIGHT[j] * squares[0, m] * squares[1, m]
     for m in range(count):
         for q in range(receivers):
@@ -166,9 +168,9 @@ def _add_parts(count, place, series, squares, line, out):
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _squares(count, offset, slope, node, series, out):
+def _squares(offset, slope, node, series, out):
     """Write |Σ_n s_n P_n(x)|² at one node of several parts, x = offset + slope·node."""
-    for m in range(count):
+    for m in range(_PARTS):
         x = offset[m] + slope[m] * node
         below = 1.0
         here = x
@@ -215,8 +217,7 @@ def _excited_panel(edge, kappa, side, shift, tiny):
 
 @numba.njit(cache=True, error_model="numpy")
 def _mark_needed(edge, transfer, share, needed):
-    """Mark the panels in which a receiver has more than a negligible share of ∫ |H̃|² dκ."""
-    needed[:] = False
+    """Mark for every receiver the panels with more than a negligible share of ∫ |H̃|² dκ."""
     for q in range(transfer.shape[0]):
         total = 0.0
         for p in range(share.shape[0]):
@@ -226,8 +227,7 @@ def _mark_needed(edge, transfer, share, needed):
                 share[p] += (edge[p + 1] - edge[p]) * squared / (2.0 * n + 1.0)
             total += share[p]
         for p in range(share.shape[0]):
-            if share[p] >= _NEGLIGIBLE * total:
-                needed[p] = True
+            needed[q, p] = share[p] >= _NEGLIGIBLE * total
 
 
 def quasi_static_spectra(
