@@ -175,17 +175,19 @@ class _Board:
         self._ready = deque(key for key, count in self._waits.items() if count == 0)
 
     def take(self, most: int) -> list[str]:
-        """Return up to `most` tasks that can start, in the order of the plan."""
+        """Return up to `most` tasks that can start: what was released last, else in the order of the plan."""
         return [self._ready.popleft() for _ in range(min(most, len(self._ready)))]
 
     def release(self, key: str) -> None:
         """Let go the tasks that waited for this one alone."""
+        released = []
         for other in self._before.pop(key, ()):
             if other not in self._waits:  # given up for the sake of another one that it needs
                 continue
             self._waits[other] -= 1
             if self._waits[other] == 0:
-                self._ready.append(other)
+                released.append(other)
+        self._ready.extendleft(reversed(released))  # next, while workers hold what they need in memory
 
     def drop(self, key: str) -> int:
         """Give up the tasks that need this one, directly or through others; return how many."""

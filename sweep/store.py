@@ -48,14 +48,19 @@ class Written:
         Per array its sha256, shape and dtype.
     metadata
         The sha256 of the group's attributes and of all that Zarr says of its arrays.
-    bytes_written
-        Bytes of all objects of the group.
+    objects
+        What was written.
     """
 
     group: str
     arrays: dict[str, dict[str, Any]]
     metadata: str
-    bytes_written: int
+    objects: Mapping[str, bytes | memoryview]
+
+    @property
+    def bytes_written(self) -> int:
+        """Bytes of all objects of the group."""
+        return sum(len(content) for content in self.objects.values())
 
 
 def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
@@ -78,7 +83,7 @@ def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, A
     for level in reversed(PurePosixPath(STORE, group).parents[:-1]):
         place.ensure(f"{level}/zarr.json", _EMPTY_GROUP)  # so that the store can be walked from its root
     place.put(f"{STORE}/{group}", objects)
-    return Written(group, checksums, metadata, sum(len(content) for content in objects.values()))
+    return Written(group, checksums, metadata, objects)
 
 
 def read(
@@ -95,7 +100,16 @@ def read(
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    found, attributes = _load(home, group, arrays, metadata)
+    return _result(kind, *_load(home, group, arrays, metadata))
+
+
+def restored(written: Written, kind: type[Result]) -> Result:
+    """Return what was written as `read` does, from the same bytes, which are in memory still."""
+    return _result(kind, *zarr_form.decode(written.objects))
+
+
+def _result(kind: type[Result], found: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]) -> Result:
+    """Return the dataclass that arrays and attributes were stored for."""
     values: dict[str, Any] = {}
     for field in dataclasses.fields(kind):  # type: ignore[arg-type]
         if "dims" in field.metadata:

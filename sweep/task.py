@@ -28,7 +28,7 @@ from sweep.host import host_class
 from sweep.kinds import AccuracyWarning, Kind, Unit, registry
 
 CACHE_BYTES = 128 * 2**20
-"""What a worker keeps of the results that it has read, for the tasks that follow."""
+"""What a worker keeps of the results that it has stored or read, for the tasks that follow."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class WithdrawnError(Exception):
 
 
 class Cache:
-    """The results read last, up to a number of bytes."""
+    """The results used last, up to a number of bytes."""
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
@@ -207,12 +207,16 @@ def _compute(
         for unit, result in batch.items():
             shares = _share(unit, batch, costs, kinds)
             home = place.home(unit, kinds[unit.kind])
-            record, size = _store(unit, result, shares, cautions, place, home, started)
-            stored.append((home, record, size))
+            record, written = _store(unit, result, shares, cautions, place, home, started)
+            stored.append((unit, home, record, written))
         # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before
         # is computed again as a whole.
-        for home, record, size in stored:
-            yield records.commit(home, record), size, cautions
+        for unit, home, record, written in stored:
+            first = records.commit(home, record)
+            kind = kinds[unit.kind]
+            if first and kind.scope(unit.inputs) != "case":  # what belongs to one case no other task reads
+                _hold(unit, place, store.restored(written, kind.result))
+            yield first, written.bytes_written, cautions
             records.forget_failure(place.directory, record["unit_id"])
 
 
@@ -251,8 +255,13 @@ class Reader:
                 for home in self._place.homes:
                     records.withdraw(home, unit.kind, unit.id)
                 raise WithdrawnError(str(error)) from error
-        _cache.put((self._place.directory, unit.id), result, _bytes(result))
+        _hold(unit, self._place, result)
         return result
+
+
+def _hold(unit: Unit, place: Place, result: Any) -> None:
+    """Keep a result in the form in which it is read, so that who computed it makes no difference."""
+    _cache.put((place.directory, unit.id), result, _bytes(result))
 
 
 def _store(
@@ -263,8 +272,8 @@ def _store(
     place: Place,
     home: str,
     started: str,
-) -> tuple[dict[str, Any], int]:
-    """Store a result; return its record and the bytes stored."""
+) -> tuple[dict[str, Any], store.Written]:
+    """Store a result; return its record and what was written."""
     cpu, wall = time.process_time(), time.perf_counter()
     written = store.write(
         home,
@@ -286,7 +295,7 @@ def _store(
         "costs": [*costs, storing],
         "warnings": cautions,
     }
-    return record, written.bytes_written
+    return record, written
 
 
 def _record_failure(missing: Iterable[Unit], place: Place, started: str, text: str) -> None:

@@ -66,7 +66,9 @@ def encode(arrays: Arrays, attributes: Mapping[str, Any], chunk_bytes: int) -> d
     return objects
 
 
-def decode(objects: Mapping[str, bytes | bytearray]) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+def decode(
+    objects: Mapping[str, bytes | bytearray | memoryview],
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Return the arrays and the attributes of a group from its objects.
 
     Raises
@@ -74,7 +76,7 @@ def decode(objects: Mapping[str, bytes | bytearray]) -> tuple[dict[str, NDArray[
     ValueError, KeyError, TypeError
         If an object is missing, torn, or not in the form that `encode` gives it.
     """
-    group = json.loads(objects["zarr.json"])
+    group = json.loads(bytes(objects["zarr.json"]))
     names = [key.removesuffix("/zarr.json") for key in objects if key.endswith("/zarr.json")]
     return {name: _array(name, objects) for name in names}, group["attributes"]
 
@@ -136,9 +138,9 @@ def _chunk(rows: NDArray[Any], shape: Sequence[int]) -> memoryview:
     return content.data
 
 
-def _array(name: str, objects: Mapping[str, bytes | bytearray]) -> NDArray[Any]:
+def _array(name: str, objects: Mapping[str, bytes | bytearray | memoryview]) -> NDArray[Any]:
     """Return one array from its chunks."""
-    said = json.loads(objects[f"{name}/zarr.json"])
+    said = json.loads(bytes(objects[f"{name}/zarr.json"]))
     if said["codecs"] != _CODECS:
         raise ValueError(f"{name}: is encoded in another way")
     shape, dtype = tuple(said["shape"]), np.dtype(said["data_type"]).newbyteorder("<")
@@ -154,7 +156,7 @@ def _array(name: str, objects: Mapping[str, bytes | bytearray]) -> NDArray[Any]:
     return array if array.flags.writeable else array.copy()
 
 
-def _verified(key: str, objects: Mapping[str, bytes | bytearray]) -> NDArray[np.uint8]:
+def _verified(key: str, objects: Mapping[str, bytes | bytearray | memoryview]) -> NDArray[np.uint8]:
     """Return the bytes of a chunk without its checksum, after a look at that."""
     content = np.frombuffer(objects[key], np.uint8)
     chunk, stored = content[:-_CRC_BYTES], content[-_CRC_BYTES:].tobytes()

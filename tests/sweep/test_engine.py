@@ -5,7 +5,7 @@ import numpy as np
 import psutil
 import pytest
 
-from sweep import cluster, engine, plan, records, store
+from sweep import cluster, engine, plan, records, store, task
 from sweep.task import Place
 from tests.sweep import toy
 
@@ -13,7 +13,8 @@ from tests.sweep import toy
 def run(directory, wanted, crew, attempt=1):
     made = plan.make(wanted, toy.KINDS, records.present(directory))
     place = Place(str(directory), "run-1", toy.__name__, attempt)
-    return engine.run(made, place, crew, lambda task, outcome, tally: None)
+    task.forget()  # as another process would
+    return engine.run(made, place, crew, lambda *_: None)
 
 
 def value(directory, unit):
@@ -46,10 +47,59 @@ def test_results_records_and_costs(tmp_path):
     assert stages["square"]["evaluations"] == 3
     assert stages["store"]["bytes_written"] > 24
     assert all(cost["peak_rss_bytes"] > 2**20 for cost in stages.values())
-    assert {cost["stage"] for cost in records.find(tmp_path, "total", wanted.id)["costs"]} >= {
-        "load",
-        "store",
-    }
+
+
+def test_a_process_reads_what_it_has_not_computed_itself(tmp_path):
+    """What it has is held in the form in which it is read."""
+    for directory, runs in (("at-once", [[1, 2]]), ("in-turn", [[1], [2], [1, 2]])):
+        for numbers in runs:
+            wanted = toy.total(*numbers) if len(numbers) > 1 else toy.square(*numbers)
+            run(tmp_path / directory, [wanted], engine.ThisProcess())
+    costs = [
+        {cost["stage"] for cost in records.find(tmp_path / directory, "total", toy.total(1, 2).id)["costs"]}
+        for directory in ("at-once", "in-turn")
+    ]
+    assert ["load" in stages for stages in costs] == [False, True]
+    sums = [
+        {record["unit_id"]: record["arrays"] for record in records.committed(tmp_path / directory)}
+        for directory in ("at-once", "in-turn")
+    ]
+    assert sums[0] == sums[1]
+
+
+def test_of_a_result_that_came_second_nothing_is_held(tmp_path):
+    """What counts is what the record names: another process may have computed it with other last digits."""
+    unit, place = toy.square(1), Place(str(tmp_path), "run-1", toy.__name__)
+    run(tmp_path, [unit], engine.ThisProcess())
+    task.forget()
+    record = records.find(tmp_path, unit.kind, unit.id)
+    other = toy.Numbers(np.full(3, 7.0), "square of 1", (1, 2))
+    written = store.write(tmp_path, "square/other", other, {})
+    find = Place.find
+    with pytest.MonkeyPatch.context() as patch:
+
+        def late(self, unit):
+            patch.undo()  # the record that stands comes after this look
+            records.withdraw(tmp_path, unit.kind, unit.id)
+            records.commit(
+                tmp_path,
+                {**record, "group": written.group, "arrays": written.arrays, "metadata": written.metadata},
+            )
+
+        patch.setattr(Place, "find", late)
+        assert task.execute("square", [unit], place).computed == 0
+    assert find is Place.find
+    np.testing.assert_array_equal(task.Reader(place, toy.KINDS)(unit).value, other.value)
+
+
+def test_what_is_released_goes_first(tmp_path):
+    """Results are used while those who made them hold them, and cases are done one after the other."""
+    order = []
+    made = plan.make([toy.total(2 * n, 2 * n + 1) for n in range(40)], toy.KINDS, set())
+    place = Place(str(tmp_path), "run-1", toy.__name__)
+    engine.run(made, place, engine.ThisProcess(), lambda done, *_: order.append(done.units[0].kind))
+    assert order.count("total") == 40
+    assert "total" in order[: 2 * engine.WINDOW_PER_WORKER]
 
 
 def test_asking_twice_computes_nothing(tmp_path, marks):

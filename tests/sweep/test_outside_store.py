@@ -12,7 +12,7 @@ from zarr.storage import ObjectStore
 
 import sweep
 from queries import database, ingest
-from sweep import engine, location, plan, records, store
+from sweep import engine, location, plan, records, store, task
 from sweep.task import Place
 from tests.sweep import toy
 from tests.sweep.s3_server import SECRET, s3
@@ -124,6 +124,7 @@ def outside(request, tmp_path):
 def run(directory, wanted, outside):
     made = plan.make(wanted, toy.KINDS, records.listed(directory) | records.listed(outside))
     place = Place(str(directory), "run-1", toy.__name__, store=outside)
+    task.forget()  # as another process would
     return engine.run(made, place, engine.ThisProcess(), lambda *_: None)
 
 

@@ -104,6 +104,22 @@ def test_arrays_that_were_read_can_be_written_to(tmp_path, spectrum):
         assert getattr(found, name).flags.aligned
 
 
+def test_what_was_written_is_restored_as_it_is_read(tmp_path, spectrum):
+    """Whatever the order of an array in memory was: arithmetic may depend on that."""
+    turned = dataclasses.replace(spectrum, transfer=np.asfortranarray(spectrum.transfer))
+    written = write(tmp_path, turned)
+    held, found = store.restored(written, Spectrum), read(tmp_path, written)
+    assert_equal(held, found)
+    for each in dataclasses.fields(Spectrum):
+        one, other = getattr(held, each.name), getattr(found, each.name)
+        if isinstance(one, np.ndarray):
+            assert (one.dtype, one.strides, one.flags.writeable) == (
+                other.dtype,
+                other.strides,
+                other.flags.writeable,
+            )
+
+
 def test_plain_arrays_and_attributes(tmp_path, spectrum):
     written = write(tmp_path, spectrum)
     arrays, attributes = store.read_arrays(tmp_path, written.group)
