@@ -8,7 +8,7 @@ process compiles where nothing is in the cache yet: two that compile into it at 
 import os
 import sys
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import forkserver, get_context
 from typing import Any, TypeVar
 
@@ -51,7 +51,12 @@ def running() -> bool:
 
 def submit(function: Callable[..., Result], *arguments: Any) -> Callable[[], Result]:
     """Call a function in a process forked for it, without waiting; what is returned waits for its result."""
-    pool = ProcessPoolExecutor(1, mp_context=get_context("forkserver"))
-    future = pool.submit(function, *arguments)
-    pool.shutdown(wait=False)
+
+    def call() -> Result:
+        with ProcessPoolExecutor(1, mp_context=get_context("forkserver")) as pool:
+            return pool.submit(function, *arguments).result()
+
+    caller = ThreadPoolExecutor(1)  # to fork takes until the process from which it is done is ready
+    future = caller.submit(call)
+    caller.shutdown(wait=False)
     return future.result

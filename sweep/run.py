@@ -245,10 +245,12 @@ def _compute(
         asked = {unit.id for task in tasks.values() for unit in task.units}
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
         with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__, directory) as crew:
-            for text in cautions():  # found while the crew came together
-                display.warn(text)
+            unsaid = [cautions]
 
             def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
+                while unsaid:  # what is implausible has been found while the first task ran
+                    for text in unsaid.pop()():
+                        display.warn(text)
                 if not tallies or tallies[-1] is not tally:
                     tallies.append(tally)
                 display.update(task, outcome, tally)
