@@ -10,10 +10,13 @@ from pathlib import Path
 @cache
 def host_class() -> str:
     """Return the kind of processor and the number of processors, within which times are comparable."""
-    model = platform.processor() or platform.machine()
+    return f"{_model()} x{os.cpu_count()}"
+
+
+def _model() -> str:
+    """Return the kind of processor, as Linux tells it, or else the library, which starts a process to ask."""
     with contextlib.suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text().splitlines():
             if line.startswith("model name"):
-                model = line.partition(":")[2].strip()
-                break
-    return f"{model} x{os.cpu_count()}"
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
