@@ -8,6 +8,7 @@ code of the physics, as all of these change them.
 
 import hashlib
 import json
+import multiprocessing
 import os
 import socket
 import subprocess
@@ -114,11 +115,9 @@ def _measured_apart(name: str) -> Rates:
 
 def measure() -> Rates:
     """Run the pilot's tasks in this process, and return the rates."""
-    import psutil
-
     import sweep.preloaded  # noqa: F401 - what a worker has loaded
 
-    idle = psutil.Process().memory_info().rss
+    idle = _resident()
     began = time.process_time()
     samples: dict[str, list[_Sample]] = {}
     with tempfile.TemporaryDirectory(prefix="railvib-pilot-") as folder:
@@ -129,6 +128,15 @@ def measure() -> Rates:
     return Rates(
         {sort: _rates(sort, each) for sort, each in samples.items()}, idle, time.process_time() - began
     )
+
+
+def _resident() -> int:
+    """Return the resident memory of this process, with what it shares and has not touched yet if forked."""
+    import psutil
+
+    process = psutil.Process()
+    forked_from = process.parent() if multiprocessing.parent_process() else None
+    return max(each.memory_info().rss for each in (process, forked_from) if each is not None)
 
 
 def measure_fe_be() -> Rates:
