@@ -136,7 +136,7 @@ def _resident() -> int:
 
     process = psutil.Process()
     forked_from = process.parent() if multiprocessing.parent_process() else None
-    return max(each.memory_info().rss for each in (process, forked_from) if each is not None)
+    return max(int(each.memory_info().rss) for each in (process, forked_from) if each is not None)
 
 
 def measure_fe_be() -> Rates:
