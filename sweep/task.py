@@ -203,21 +203,34 @@ def _compute(
             return
         _complete(costs, time.perf_counter() - wall, time.process_time() - cpu)
         cautions = [str(each.message) for each in caught if issubclass(each.category, AccuracyWarning)]
-        stored = []
-        for unit, result in batch.items():
-            shares = _share(unit, batch, costs, kinds)
-            home = place.home(unit, kinds[unit.kind])
-            record, written = _store(unit, result, shares, cautions, place, home, started)
-            stored.append((unit, home, record, written))
-        # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before
-        # is computed again as a whole.
-        for unit, home, record, written in stored:
-            first = records.commit(home, record)
-            kind = kinds[unit.kind]
-            if first and kind.scope(unit.inputs) != "case":  # what belongs to one case no other task reads
-                _hold(unit, place, store.restored(written, kind.result))
-            yield first, written.bytes_written, cautions
-            records.forget_failure(place.directory, record["unit_id"])
+        yield from _record(batch, costs, cautions, kinds, place, started)
+        del batch  # before the next one takes its memory
+
+
+def _record(
+    batch: Mapping[Unit, Any],
+    costs: list[cost.StageCost],
+    cautions: list[str],
+    kinds: Mapping[str, Kind],
+    place: Place,
+    started: str,
+) -> Iterator[tuple[bool, int, list[str]]]:
+    """Store and commit a batch; yield what `_compute` does."""
+    stored = []
+    for unit, result in batch.items():
+        shares = _share(unit, batch, costs, kinds)
+        home = place.home(unit, kinds[unit.kind])
+        record, written = _store(unit, result, shares, cautions, place, home, started)
+        stored.append((unit, home, record, written))
+    # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
+    # computed again as a whole.
+    for unit, home, record, written in stored:
+        first = records.commit(home, record)
+        kind = kinds[unit.kind]
+        if first and kind.scope(unit.inputs) != "case":  # what belongs to one case no other task reads
+            _hold(unit, place, store.restored(written, kind.result))
+        yield first, written.bytes_written, cautions
+        records.forget_failure(place.directory, record["unit_id"])
 
 
 class Reader:
