@@ -24,7 +24,7 @@ APPROACHES: tuple[Approach, ...] = get_args(Approach)
 
 _STEPS_PER_RIPPLE = 8
 _COARSEST_STEP = 0.125
-_LINES_AT_ONCE = 128
+LINES_AT_ONCE = 128
 """Lines of a standing train whose matrices are made together: few enough to stay in the cache."""
 
 
@@ -238,8 +238,8 @@ def _standing(
     """Return what a standing train does per unit unevenness: |P|², (lines, axles), N²/m², and ∫ |u|² dx."""
     force = np.empty(phase.shape)
     parts: list[Means] = []
-    for start in range(0, frequency.size, _LINES_AT_ONCE):
-        here = slice(start, start + _LINES_AT_ONCE)
+    for start in range(0, frequency.size, LINES_AT_ONCE):
+        here = slice(start, start + LINES_AT_ONCE)
         if approach == "moving-roughness-by-axle":
             matrices = force_matrices(train, rail, frequency[here])
             sets = matrices @ phase[here, :, None]

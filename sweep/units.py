@@ -21,9 +21,10 @@ from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
 from railvib.moving_roughness import LineIntegrals, line_integrals
+from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
-from railvib.spectra import Spectra, highest_excitation, line_step, lines, spectra
+from railvib.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import MOST_LEVELS, distance_class, largest_wavenumber, transfer_blocks_by_class
 from railvib.tensor_fit import fit_tensor
 from railvib.track import Track
@@ -42,6 +43,8 @@ REMEMBERED = 4096
 """Units that planning keeps at hand, as many cases share them."""
 FE_BE_BYTES = 128 * 2**20
 """75 MB were measured with eight strips and three rows of elements."""
+PANELS_PER_RAD_M = 3.0
+"""Of the full model's excitation: 1 to 3 were found, fewest on damped soil."""
 FLOAT, COMPLEX = 8, 16
 """Bytes of a number."""
 
@@ -364,18 +367,15 @@ def line_count(inputs: Inputs) -> int:
 
 
 def excitation_count(inputs: Inputs) -> int:
-    """Return at how many frequencies the full model needs forces: finer for long trains, and below 4 Hz."""
-    position = train_axles(inputs["train"]).position
-    per_length = inputs["speed"] / (2.0 * math.pi * max(max(position) - min(position), 1.0))
-    fine, coarse = min(0.025, 0.25 * per_length), min(0.1, per_length)
-    return int(np.ceil(4.0 / fine + excited_up_to(inputs) / coarse))
+    """Return at how many wavenumbers the full model needs forces, about: some panels per rad/m."""
+    largest = 2.0 * math.pi * excited_up_to(inputs) / inputs["speed"]
+    return int(math.ceil(PANELS_PER_RAD_M * largest)) * ORDER
 
 
 def matrices_memory(inputs: Inputs) -> int:
-    """Estimate what the matrices of axles take at all frequencies of a case."""
-    count = excitation_count(inputs) if inputs["approach"] == "full" else 0
+    """Estimate what the matrices of axles take at the lines that are computed together."""
     axles = len(train_axles(inputs["train"]).position)
-    return 6 * max(count, line_count(inputs)) * axles**2 * COMPLEX
+    return 6 * LINES_AT_ONCE * axles**2 * COMPLEX
 
 
 def _spectra_memory(inputs: Inputs) -> int:
