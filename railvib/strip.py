@@ -14,6 +14,10 @@ import numpy as np
 
 from railvib.vector_math import cos_sin, exp
 
+_DEAD = 40.0
+"""A wave that is less than e^{−40} of what it is at the track is passed over: the waves' amplitudes there add
+up to no more than the peak, of which 1e-12 still counts.
+"""
 CLIP = 150.0
 """Exponents beyond this are cut: e^{−150} is nothing here, and denormal numbers would cost time."""
 
@@ -71,7 +75,11 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
         for k in range(m):
             y = offset[k]
             if y >= b:
-                for i in range(n):
+                # The wave has died out on the way from some wavenumber on, or all together.
+                last = n
+                while last > 0 and (y - b) * kr[last - 1] > _DEAD:
+                    last -= 1
+                for i in range(last):
                     e = exp(-min((y - b) * kr[i], CLIP))
                     c, t = cos_sin((y - b) * ki[i])
                     real[k, i] += e * (cr[i] * c + ci[i] * t)
