@@ -1,9 +1,12 @@
 """Figures: which there are, that they show what the database holds, and that names do no harm."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import matplotlib.image
 import numpy as np
+import psutil
 import pytest
 from click.testing import CliRunner
 
@@ -248,3 +251,17 @@ def test_figures_that_several_processes_draw_are_the_same(study):
     with Crew(2) as crew:
         crew.start(directory / database.DATABASE, directory / "together")()
     assert {path.name: path.read_bytes() for path in (directory / "together").iterdir()} == alone
+
+
+@pytest.mark.slow
+def test_processes_that_draw_end_with_the_one_that_they_draw_for():
+    code = "from queries.crew import Crew; crew = Crew(2); print('made', flush=True); input()"
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as driver:
+        assert driver.stdout.readline() == "made\n"
+        family = psutil.Process(driver.pid).children(recursive=True)
+        driver.kill()
+    _, alive = psutil.wait_procs(family, timeout=30)
+    assert len(family) >= 2
+    assert [each for each in alive if each.status() != psutil.STATUS_ZOMBIE] == []
