@@ -244,7 +244,7 @@ def _compute(
         place = Place(str(directory.resolve()), run_id, units.__name__, store=request.store)
         asked = {unit.id for task in tasks.values() for unit in task.units}
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
-        with Display(len(tasks)) as display, launch.crew(len(tasks), units.__name__, directory) as crew:
+        with launch.crew(len(tasks), units.__name__, directory) as crew, Display(len(tasks)) as display:
             unsaid = [cautions]
 
             def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
