@@ -27,6 +27,8 @@ from sweep import records, space, store
 from sweep.host import host_class
 from sweep.kinds import AccuracyWarning, Kind, Unit, registry
 
+NEGLIGIBLE_S = 2e-5
+"""Time between a result's stages that is not worth a stage of its own."""
 CACHE_BYTES = 128 * 2**20
 """What a worker keeps of the results that it has stored or read, for the tasks that follow."""
 
@@ -349,7 +351,7 @@ def _complete(costs: list[cost.StageCost], wall_s: float, cpu_s: float) -> None:
     """Add what the physics' own stages leave unexplained, so that the stages' sum is the whole."""
     wall_s -= sum(spent.wall_s for spent in costs)
     cpu_s -= sum(spent.cpu_s for spent in costs)
-    if not costs or wall_s > 1e-3:
+    if not costs or wall_s > NEGLIGIBLE_S:
         cost.add(costs, cost.StageCost("other", max(wall_s, 0.0), max(cpu_s, 0.0), peak_rss_bytes=_peak()))
 
 
