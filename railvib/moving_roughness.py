@@ -66,7 +66,7 @@ def line_integrals(
                 transfer = together([receivers[each] for each in members], block, f[rows])
                 edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
                 found = _cosine_integrals(edge, transfer, d)
-                for receiver, each in zip(members, found, strict=True):
+                for receiver, each in zip(members, found.swapaxes(0, 1), strict=True):
                     integral[receiver][rows] = each
                 spent.evaluations += transfer.size
                 spent.kernel_calls += len(members)
@@ -75,11 +75,10 @@ def line_integrals(
 
 @numba.njit(cache=True, error_model="numpy")
 def _cosine_integrals(edge, transfer, distance):
-    """Return ∫ |H̃|² cos(βd) dβ, (receivers, lines, distances), over all panels with something in them."""
+    """Return ∫ |H̃|² cos(βd) dβ, (lines, receivers, distances), over all panels with something in them."""
     receivers, lines, nodes = transfer.shape
     panels = nodes // ORDER
-    out = np.zeros((receivers, lines, distance.shape[0]))
-    cosine = np.empty((receivers, distance.shape[0]))
+    out = np.zeros((lines, receivers, distance.shape[0]))
     sine = np.zeros((receivers, distance.shape[0]))
     squared = np.empty((receivers, panels, ORDER))
     centre = np.empty(panels)
@@ -87,7 +86,8 @@ def _cosine_integrals(edge, transfer, distance):
     needed = np.empty(panels, np.bool_)
     size = np.empty(panels)
     for i in range(lines):
-        needed[:] = False
+        for p in range(panels):  # in loops: Numba takes seconds to compile assignments to slices
+            needed[p] = False
         for q in range(receivers):
             _mark_panels(edge[i], transfer[q, i], squared[q], size, needed)
         kept = 0
@@ -100,9 +100,7 @@ def _cosine_integrals(edge, transfer, distance):
                 for j in range(ORDER):
                     squared[q, kept, j] = squared[q, p, j]
             kept += 1
-        cosine[:] = 0.0
-        fourier_integrals(centre[:kept], half[:kept], squared, distance, cosine, sine)
-        out[:, i] = cosine
+        fourier_integrals(centre[:kept], half[:kept], squared, distance, out[i], sine)
     return out
 
 
@@ -122,7 +120,8 @@ def _mark_panels(edge, transfer, squared, size, needed):
         if size[p] > 1e-14 * total:
             needed[p] = True
         else:  # nothing, also where another receiver needs the panel: no receiver depends on the others
-            squared[p] = 0.0
+            for j in range(ORDER):
+                squared[p, j] = 0.0
 
 
 def axle_pairs(integrals: LineIntegrals, axle_position: np.ndarray, rows: slice = slice(None)) -> np.ndarray:

@@ -292,11 +292,14 @@ def _moving_panels(rail: TransferFunction, frequency: np.ndarray, speed: float, 
 @numba.njit(cache=True, error_model="numpy")
 def _edges(slowness, omega, speed, largest):
     """Return edges in no order: the tables' slownesses as a moving load sees them, and powers of two."""
-    reach = max(omega * slowness.max(), 1e-2)
+    reach = 1e-2
+    for each in slowness:
+        reach = max(reach, omega * each)
     octaves = max(int(np.log2(largest / reach)), 1) if reach < largest else 0
     turn = omega / speed
     edge = np.empty(2 * slowness.size + 4 * (octaves + 1) + 4)
-    edge[:4] = (-largest, 0.0, largest, turn)
+    # One by one: Numba takes seconds to compile assignments to slices.
+    edge[0], edge[1], edge[2], edge[3] = -largest, 0.0, largest, turn
     n = 4
     for each in slowness:
         edge[n] = omega * each / (1.0 + each * speed)
@@ -307,7 +310,7 @@ def _edges(slowness, omega, speed, largest):
             n += 1
     for octave in range(octaves + 1):
         far = reach * (largest / reach) ** (octave / octaves) if octaves > 0 else largest
-        edge[n : n + 4] = (far, -far, turn + far, turn - far)
+        edge[n], edge[n + 1], edge[n + 2], edge[n + 3] = far, -far, turn + far, turn - far
         n += 4
     return edge[:n]
 
