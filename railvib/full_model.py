@@ -107,7 +107,10 @@ def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest,
         _amplitudes(parts, rows[i], amplitude)
         _mark_needed(edge[i], transfer[:, i], share, needed)
         for p in range(panels):
-            if not needed[:, p].any():
+            wanted = False
+            for q in range(receivers):
+                wanted |= needed[q, p]
+            if not wanted:
                 continue
             low = edge[i, p]
             high = edge[i, p + 1]
@@ -156,7 +159,9 @@ def _add_parts(count, place, series, squares, line, out):
     All places are computed, whatever the count, so that each goes through the same vector instructions.
     """
     receivers = series.shape[0] - 1
-    squares[2:] = 0.0
+    for q in range(receivers):
+        for m in range(_PARTS):
+            squares[2 + q, m] = 0.0
     for j in range(ORDER):
         _squares(place[0], place[1], NODE[j], series[0], squares[0])
         for q in range(receivers):

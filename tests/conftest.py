@@ -1,5 +1,6 @@
 """Soils, tracks, trains and tables that many tests share; each is made once per session."""
 
+import gc
 from collections.abc import Callable
 from functools import cache
 
@@ -18,6 +19,11 @@ settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
 Tables = Callable[..., dict[Receiver, TransferFunction]]
+
+
+def pytest_sessionfinish() -> None:
+    """Let go of what commands that ran in this process kept from being looked through for garbage."""
+    gc.unfreeze()
 
 
 @pytest.fixture(scope="session")
