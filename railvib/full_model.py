@@ -12,7 +12,6 @@ because the phases of the forces are taken out, and are computed once for every 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numba
 import numpy as np
@@ -236,37 +235,9 @@ def _mark_needed(edge, transfer, share, needed):
             needed[q, p] = share[p] >= _NEGLIGIBLE * total
 
 
-@dataclass(frozen=True)
-class QuasiStatic:
-    """PSDs of displacement from the moving axle loads at some receivers; the same by every approach."""
-
-    frequency: np.ndarray = field(
-        metadata={"dims": ("frequency",), "unit": "Hz", "description": "narrow-band lines"}
-    )
-    offset: np.ndarray = field(
-        metadata={
-            "dims": ("receiver",),
-            "unit": "m",
-            "description": "distance from the centre line; NaN on the rail",
-        }
-    )
-    psd: np.ndarray = field(
-        metadata={
-            "dims": ("receiver", "frequency"),
-            "unit": "m2/Hz",
-            "description": "one-sided PSD of displacement",
-        }
-    )
-
-    def at(self, receiver: Receiver) -> np.ndarray:
-        """Return the PSD at one receiver, m²/Hz, (n,)."""
-        rows = np.isnan(self.offset) if receiver == "rail" else self.offset == float(receiver)
-        return np.asarray(self.psd[np.flatnonzero(rows)[0]])
-
-
-def quasi_static(
+def quasi_static_spectra(
     receivers: Mapping[Receiver, TransferFunction], train: Train, speed: float, frequency: np.ndarray
-) -> QuasiStatic:
+) -> dict[Receiver, np.ndarray]:
     """Return PSDs of displacement at fixed points from the moving axle loads: |S_0(f; 0)|²·2/T.
 
     Parameters
@@ -279,14 +250,18 @@ def quasi_static(
         m/s.
     frequency
         Receiving frequencies, Hz, (n,).
+
+    Returns
+    -------
+    dict of ndarray, shape (n,)
+        One-sided PSDs, m²/Hz.
     """
     kappa = 2.0 * np.pi * frequency / speed
     with cost.stage("quasi-static") as spent:
         load = np.exp(1j * kappa[:, None] * train.axle_positions) @ train.axle_loads / speed
-        psd = [
-            np.abs(transfer.along(frequency, kappa) * load) ** 2 * 2.0 * speed / train.length
-            for transfer in receivers.values()
-        ]
+        psd = {
+            receiver: np.abs(transfer.along(frequency, kappa) * load) ** 2 * 2.0 * speed / train.length
+            for receiver, transfer in receivers.items()
+        }
         spent.evaluations += frequency.size * len(receivers)
-    offset = [np.nan if receiver == "rail" else float(receiver) for receiver in receivers]
-    return QuasiStatic(frequency, np.array(offset), np.array(psd))
+    return psd

@@ -12,7 +12,6 @@ from railvib import bands, blocks
 from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
-from railvib.full_model import QuasiStatic, quasi_static
 from railvib.ground import Ground
 from railvib.moving_roughness import LineIntegrals, line_integrals
 from railvib.plausibility import check_damping, check_speed
@@ -180,16 +179,12 @@ def predict(
     frequency = lines(midband, line_step(train.length, speed, refinement))
     made: list[Spectra] = []
     rails: dict[tuple[bool, float], Receptances] = {}
-    still: dict[bool, QuasiStatic] = {}
     integrals: dict[bool, dict[Receiver, LineIntegrals]] = {}
     over_train: dict[bool, dict[Receiver, TrainIntegrals]] = {}
     for approach in approaches:
         v = speed if approach == "full" else 0.0
         model = approach == "fe-be"
         functions = by_model[model]
-        if model not in still:
-            heard = {each: functions[each] for each in receivers}
-            still[model] = quasi_static(heard, train, speed, frequency)
         if (model, v) not in rails:
             wanted_blocks = blocks.up_to(highest) if v else covering
             rails[model, v] = Receptances(
@@ -213,7 +208,6 @@ def predict(
                 speed,
                 midband,
                 rails[model, v],
-                still[model],
                 {each: functions[each] for each in receivers},
                 integrals.get(model),
                 highest,

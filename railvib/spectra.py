@@ -9,7 +9,7 @@ import numpy as np
 from railvib import bands, cost, threads
 from railvib.excitation import excitation
 from railvib.forces import arrivals, axle_forces, axle_numbers, force_matrices
-from railvib.full_model import QuasiStatic, passage_spectra
+from railvib.full_model import passage_spectra, quasi_static_spectra
 from railvib.moving_roughness import LineIntegrals, axle_pairs, force_products, line_means, products
 from railvib.receptance import Receptances
 from railvib.train_average import TrainIntegrals
@@ -112,8 +112,7 @@ def spectra(
     speed: float,
     midband: np.ndarray,
     rail: Receptances,
-    still: QuasiStatic,
-    receivers: Mapping[Receiver, TransferFunction] | None = None,
+    receivers: Mapping[Receiver, TransferFunction],
     integrals: Mapping[Receiver, LineIntegrals] | None = None,
     highest: float | None = None,
     over_train: Mapping[Receiver, TrainIntegrals] | None = None,
@@ -133,12 +132,10 @@ def spectra(
     rail
         The rail's receptances: standing for the moving roughness, moving at the train's speed for the full
         model.
-    still
-        The response to the moving axle loads on `lines`, at the receivers.
     receivers
-        The receivers' tabulated transfer functions; needed for the full model.
+        The receivers' tabulated transfer functions.
     integrals
-        The receivers' line integrals on `lines`; needed for the moving roughness.
+        Their line integrals on `lines`; needed for the moving roughness.
     highest
         Highest frequency of excitation, Hz; needed for the full model.
     over_train
@@ -159,8 +156,8 @@ def spectra(
     uneven = unevenness.psd(f * per_hz) * per_hz
     phase = arrivals(train, f, speed)
     if approach == "full":
-        if highest is None or receivers is None:
-            raise ValueError("the full model needs transfer functions and the highest excitation")
+        if highest is None:
+            raise ValueError("the full model needs the highest frequency of excitation")
         force = np.abs(axle_forces(train, rail, f, phase)) ** 2
         with cost.stage("excitation"):
             excited = excitation(train, rail, unevenness, speed, highest, tolerance, refinement)
@@ -178,8 +175,9 @@ def spectra(
         _Series("dynamic", "wheel_rail_force", f"axle-{number}", "line", np.nan, force[:, axle] * uneven)
         for axle, number in enumerate(axle_numbers(train))
     ]
-    for receiver, each in displacement.items():
-        series += _velocities(receiver, f, each, still.at(receiver))
+    still = quasi_static_spectra(receivers, train, speed, f)
+    for receiver in receivers:
+        series += _velocities(receiver, f, displacement[receiver], still[receiver])
     with cost.stage("bands"), threads.single():
         psd = np.array([each.psd for each in series])
         mean_square = bands.band_mean_squares(f, psd, midband)

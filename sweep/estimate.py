@@ -28,7 +28,6 @@ DEPENDS: Mapping[str, tuple[str, ...]] = {
     "receptance": ("soil", "track", "train", "speed_kmh"),
     "line_integrals": ("soil", "track", "train", "offsets_m"),
     "train_integrals": ("soil", "track", "train", "offsets_m"),
-    "quasi_static": ("soil", "track", "train", "speed_kmh"),
     "spectra": ("soil", "track", "train", "unevenness", "speed_kmh"),
 }
 """By kind, the axes of a study with which the number of its units grows."""

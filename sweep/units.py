@@ -7,7 +7,7 @@ cover them.
 
 import math
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
@@ -19,7 +19,6 @@ from railvib.boundary_elements import receiver_flexibility, strip_flexibility
 from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
-from railvib.full_model import QuasiStatic, quasi_static
 from railvib.ground import Ground
 from railvib.moving_roughness import LineIntegrals, line_integrals
 from railvib.panels import ORDER
@@ -157,18 +156,6 @@ def _integral_unit(
     )
 
 
-def _quasi_static_unit(inputs: Inputs) -> Unit:
-    """Return the unit of the response of a case's receivers to the moving axle loads."""
-    return Unit.of(
-        "quasi_static",
-        train=inputs["train"],
-        speed=inputs["speed"],
-        band=inputs["band"],
-        receivers=inputs["receivers"],
-        **_model(inputs).inputs,
-    )
-
-
 class _Axles(NamedTuple):
     """What the units of a train depend on: lengths in m, positions from the last axle."""
 
@@ -273,23 +260,6 @@ def _train_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit
         yield {unit: train_integrals(receiver, np.asarray(inputs["axle_position"]), narrow_lines(inputs))}
 
 
-def _quasi_static_needs(inputs: Inputs) -> list[Unit]:
-    return [need for receiver in inputs["receivers"] for need in _receiver_units(inputs, receiver)]
-
-
-def _quasi_static(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, QuasiStatic]]:
-    for unit in units:
-        inputs = unit.inputs
-        receivers = {each: _transfer_function(inputs, each, load) for each in inputs["receivers"]}
-        yield {unit: quasi_static(receivers, Train(**inputs["train"]), inputs["speed"], case_lines(inputs))}
-
-
-def case_lines(inputs: Inputs) -> NDArray[np.float64]:
-    """Return the narrow-band lines of a case."""
-    step = line_step(train_axles(inputs["train"]).train_length, inputs["speed"])
-    return lines(np.asarray(inputs["band"]), step)
-
-
 def narrow_lines(inputs: Inputs) -> NDArray[np.float64]:
     """Return the narrow-band lines of a unit that states their step."""
     return lines(np.asarray(inputs["band"]), inputs["step"])
@@ -312,12 +282,11 @@ def _spectra_rail(inputs: Inputs) -> tuple[Unit, ...]:
 
 
 def _spectra_needs(inputs: Inputs) -> list[Unit]:
-    needs = [*_spectra_rail(inputs), _quasi_static_unit(inputs)]
+    needs = [*_spectra_rail(inputs)]
     for receiver in inputs["receivers"]:
-        if inputs["approach"] == "full":
-            needs += _receiver_units(inputs, receiver)
-        else:
-            needs.append(_line_integral_unit(inputs, receiver))
+        needs += _receiver_units(inputs, receiver)
+    if inputs["approach"] != "full":
+        needs += [_line_integral_unit(inputs, receiver) for receiver in inputs["receivers"]]
     if "train" in inputs["averaging"]:
         needs += [_train_integral_unit(inputs, receiver) for receiver in inputs["receivers"]]
     return needs
@@ -336,8 +305,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 inputs["speed"],
                 np.asarray(inputs["band"]),
                 Receptances([load(need) for need in _spectra_rail(inputs)]),
-                load(_quasi_static_unit(inputs)),
-                {each: _transfer_function(inputs, each, load) for each in receivers} if full else None,
+                {receiver: _transfer_function(inputs, receiver, load) for receiver in receivers},
                 None if full else {each: load(_line_integral_unit(inputs, each)) for each in receivers},
                 excited_up_to(inputs) if full else None,
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}
@@ -387,14 +355,6 @@ def _train_integral_bytes(inputs: Inputs) -> int:
     return narrow_lines(inputs).size * len(inputs["axle_position"]) ** 2 * COMPLEX
 
 
-def _quasi_static_bytes(inputs: Inputs) -> int:
-    return (1 + len(inputs["receivers"])) * line_count(inputs) * FLOAT
-
-
-def _table_bytes(needs: Iterable[Unit]) -> int:
-    return sum(_transfer_bytes(unit.inputs) for unit in needs if unit.kind == "transfer")
-
-
 def _spectra_bytes(inputs: Inputs) -> int:
     axles = train_axles(inputs["train"])
     series = len(axles.position) + 3 * len(inputs["receivers"]) * len(inputs["averaging"])
@@ -403,7 +363,8 @@ def _spectra_bytes(inputs: Inputs) -> int:
 
 def line_count(inputs: Inputs) -> int:
     """Return how many narrow-band lines the spectra of a case have."""
-    return int(case_lines(inputs).size)
+    step = line_step(train_axles(inputs["train"]).train_length, inputs["speed"])
+    return int(lines(np.asarray(inputs["band"]), step).size)
 
 
 def excitation_count(inputs: Inputs) -> int:
@@ -420,7 +381,8 @@ def matrices_memory(inputs: Inputs) -> int:
 
 def _spectra_memory(inputs: Inputs) -> int:
     """Estimate what the tables of all receivers and the matrices of all lines take."""
-    return 2 * _table_bytes(_spectra_needs(inputs)) + matrices_memory(inputs)
+    tables = sum(_transfer_bytes(unit.inputs) for unit in _spectra_needs(inputs) if unit.kind == "transfer")
+    return 2 * tables + matrices_memory(inputs)
 
 
 KINDS: dict[str, Kind] = {
@@ -459,15 +421,6 @@ KINDS: dict[str, Kind] = {
         compute=_train_integrals,
         size=_train_integral_bytes,
         memory=lambda inputs: 2 * _train_integral_bytes(inputs),
-    ),
-    "quasi_static": Kind(
-        result=QuasiStatic,
-        scope=lambda inputs: "speed",
-        needs=_quasi_static_needs,
-        together=identity.digest,
-        compute=_quasi_static,
-        size=_quasi_static_bytes,
-        memory=lambda inputs: 2 * _table_bytes(_quasi_static_needs(inputs)),
     ),
     "spectra": Kind(
         result=Spectra,

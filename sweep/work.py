@@ -41,8 +41,6 @@ def amounts(task: Sequence[Unit]) -> tuple[str, Amounts]:
         return sort, _sum([_receptance(unit.inputs) for unit in task])
     if first.kind in ("line_integrals", "train_integrals"):
         return first.kind, _sum([_integrals(unit.inputs) for unit in task])
-    if first.kind == "quasi_static":
-        return first.kind, _sum([_quasi_static(unit.inputs) for unit in task])
     if first.kind == "spectra" and first.inputs["approach"] == "full":
         return "full", _sum([_full(unit.inputs) for unit in task])
     if first.kind == "spectra":
@@ -106,10 +104,6 @@ def _integrals(inputs: Inputs) -> Amounts:
     values = lines * _table_nodes(inputs, [inputs["receiver"]])
     across = len(inputs["distances"]) if "distances" in inputs else len(inputs["axle_position"]) ** 2
     return {"units": 1.0, "values": values, "values of axles": values * across}
-
-
-def _quasi_static(inputs: Inputs) -> Amounts:
-    return {"units": 1.0, "values": float(units.line_count(inputs)) * len(inputs["receivers"])}
 
 
 def _moving_roughness(inputs: Inputs) -> Amounts:

@@ -69,13 +69,6 @@ def test_another_speed_shares_the_ground():
     assert not ids(both[30.0, "full"], "receptance") & ids(both[32.0, "full"], "receptance")
 
 
-def test_approaches_share_the_response_to_axle_loads():
-    made = wanted()
-    one, other = (ids(made[30.0, approach], "quasi_static") for approach in ("moving-roughness", "full"))
-    assert one == other
-    assert len(one) == 1
-
-
 def test_another_receiver_leaves_the_others():
     few, more = wanted(), wanted(receivers={"offsets_m": [8, 16]})
     for key in few:
@@ -109,7 +102,7 @@ def test_scopes():
         need.kind: units.KINDS[need.kind].scope(need.inputs)
         for need in units.KINDS["spectra"].needs(unit.inputs)
     }
-    assert scopes == {"receptance": "speed", "quasi_static": "speed", "transfer": "ground"}
+    assert scopes == {"receptance": "speed", "transfer": "ground"}
 
 
 def test_estimates_are_near_what_is_stored(computed):
