@@ -34,7 +34,7 @@ _RESOLVED = 1e-2
 
 @dataclass(frozen=True)
 class ReceptanceBlock:
-    """Receptances of the rail over one block at one speed, and the transfer function they come from."""
+    """Receptances of the rail over one block at one speed."""
 
     frequency: np.ndarray = field(
         metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency of the load"}
@@ -47,27 +47,6 @@ class ReceptanceBlock:
             "dims": ("frequency", "distance"),
             "unit": "m/N",
             "description": "displacement of the rail per load",
-        }
-    )
-    moving_frequency: np.ndarray = field(
-        metadata={
-            "dims": ("moving_frequency",),
-            "unit": "Hz",
-            "description": "frequency of the load for the transfer function, those of level 0",
-        }
-    )
-    wavenumber: np.ndarray = field(
-        metadata={
-            "dims": ("moving_frequency", "node"),
-            "unit": "rad/m",
-            "description": "wavenumber along the track",
-        }
-    )
-    rail_moving: np.ndarray = field(
-        metadata={
-            "dims": ("moving_frequency", "node"),
-            "unit": "m2/N",
-            "description": "rail at the frequency that the track sees",
         }
     )
     block: int
@@ -128,21 +107,10 @@ def receptance_block(
         if passed is not None and level >= passed + beyond:
             break
     frequency = blocks.frequency(level, blocks.indices(block, level))
-    table = rail.blocks[min(max(block, min(rail.blocks)), max(rail.blocks))]
-    coarse = blocks.frequency(0, blocks.indices(block, 0))
-    half = table.nodes.wavenumber(coarse)
-    beta = np.concatenate([-half[:, ::-1], half], axis=1)
-    seen = 2.0 * np.pi * coarse[:, None] - beta * speed
-    inside = (np.abs(seen) <= 2.0 * np.pi * rail.highest) & (np.abs(beta) <= rail.reach)
-    moving = np.full(beta.shape, complex(np.nan, np.nan))
-    moving[inside] = rail.response(beta[inside], seen[inside])
     return ReceptanceBlock(
         frequency=frequency,
         distance=d,
         receptance=np.ascontiguousarray(tabulated[:, :-1]),
-        moving_frequency=coarse,
-        wavenumber=beta,
-        rail_moving=moving,
         block=block,
         level=level,
         speed=speed,

@@ -26,6 +26,7 @@ LONGEST_S = 365.25 * 86400.0
 DEPENDS: Mapping[str, tuple[str, ...]] = {
     "transfer": ("soil", "track", "offsets_m"),
     "receptance": ("soil", "track", "train", "speed_kmh"),
+    "moving_transfer": ("soil", "track", "speed_kmh"),
     "line_integrals": ("soil", "track", "train", "offsets_m"),
     "train_integrals": ("soil", "track", "train", "offsets_m"),
     "spectra": ("soil", "track", "train", "unevenness", "speed_kmh"),

@@ -32,8 +32,8 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
     -------
     xarray.Dataset
         ``transfer(soil, track, receiver, frequency, node)`` of the rail and the ground, with ``offset_m``
-        along receiver, and ``rail_moving(soil, track, speed_kmh, frequency, moving_node)``, speed 0 for a
-        standing load. Their wavenumbers are coordinates, ``wavenumber`` and ``moving_wavenumber``, over all
+        along receiver, and ``rail_moving(soil, track, speed_kmh, frequency, moving_node)`` where a full model
+        was asked for. Their wavenumbers are coordinates, ``wavenumber`` and ``moving_wavenumber``, over all
         of their dimensions. A chunk is one block of one stored group; where it has no value there is NaN.
 
     Raises
@@ -49,7 +49,7 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
                 names.setdefault(unit["unit_id"], set()).add((case["soil"], case["track"]))
     fixed: list[_Part] = []
     moving: list[_Part] = []
-    for kind, parts in (("transfer", fixed), ("receptance", moving)):
+    for kind, parts in (("transfer", fixed), ("moving_transfer", moving)):
         for record in records.committed(directory, kind):
             for soil, track in sorted(names.get(record["unit_id"], ())):
                 parts.append(_part(directory, record, soil, track))
@@ -63,7 +63,7 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
     speeds = sorted({part.key[2] for part in moving})
     soils, tracks = ([*dict.fromkeys(case[name] for case in manifest["cases"])] for name in ("soil", "track"))
     along = {"soil": soils, "track": tracks}
-    return xarray.Dataset(
+    grid = xarray.Dataset(
         {
             **_variables(
                 fixed, frequency, {**along, "receiver": receivers}, "node", "transfer", "wavenumber"
@@ -89,7 +89,8 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
             "frequency": ("frequency", np.concatenate([*frequency.values(), []]), {"units": "Hz"}),
         },
         attrs={"study": manifest["study_name"], "run_id": manifest["run_id"]},
-    ).set_coords(["wavenumber", "moving_wavenumber"])
+    )
+    return grid.set_coords([name for name in ("wavenumber", "moving_wavenumber") if name in grid])
 
 
 @dataclass(frozen=True)
@@ -111,8 +112,7 @@ def _part(directory: Path | str, record: Mapping[str, Any], soil: str, track: st
     group, inputs = record["group"], record["inputs"]
     block = int(inputs["block"])
     values = next(name for name in ("rail", "ground", "rail_moving") if name in record["arrays"])
-    along = "moving_frequency" if values == "rail_moving" else "frequency"
-    frequency = np.asarray(store.open_array(directory, group, along)[...])
+    frequency = np.asarray(store.open_array(directory, group, "frequency")[...])
     low, high = blocks.edges(block)
     inside = (frequency >= low * (1.0 - 1e-9)) & (frequency < high * (1.0 - 1e-9))
     third = inputs["receiver"] if "receiver" in inputs else round(inputs["speed"] * KMH, 9)
@@ -137,6 +137,8 @@ def _variables(
     wavenumber: str,
 ) -> dict[str, tuple[tuple[str, ...], dask.array.Array, dict[str, str]]]:
     """Return the values and the wavenumbers of some parts on the common grid, as variables of a dataset."""
+    if not parts:
+        return {}
     there = {(part.key, part.block): part for part in parts}
     nodes = max((part.nodes for part in parts), default=0)
     dims = (*axes, "frequency", node)

@@ -21,6 +21,7 @@ from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
 from railvib.moving_roughness import LineIntegrals, line_integrals
+from railvib.moving_transfer import MovingTransferBlock, moving_transfer_block
 from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
@@ -108,6 +109,14 @@ def _receptance_units(model: _Model, train: Canonical, speed: float, which: rang
             **model.inputs,
         )
         for block in reversed(which)  # the highest first: it takes longest
+    )
+
+
+@lru_cache(REMEMBERED)
+def _moving_units(model: _Model, speed: float, which: range) -> tuple[Unit, ...]:
+    """Return the units of the rail's transfer function for loads at a speed, over some blocks."""
+    return tuple(
+        Unit.of("moving_transfer", speed=speed, block=block, **model.inputs) for block in reversed(which)
     )
 
 
@@ -225,6 +234,14 @@ def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Rec
         }
 
 
+def _moving_transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, MovingTransferBlock]]:
+    for unit in units:
+        inputs = unit.inputs
+        needs = [load(need) for need in _receptance_needs(inputs)]
+        rail = TransferFunction(needs, Track(**inputs["track"]))
+        yield {unit: moving_transfer_block(rail, inputs["speed"], int(inputs["block"]))}
+
+
 def _receiver_units(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
     """Return the units of one receiver's transfer function that cover a unit's one-third octaves."""
     return _transfer_units(_model(inputs), receiver, covering(inputs["band"]))
@@ -283,6 +300,8 @@ def _spectra_rail(inputs: Inputs) -> tuple[Unit, ...]:
 
 def _spectra_needs(inputs: Inputs) -> list[Unit]:
     needs = [*_spectra_rail(inputs)]
+    if inputs["approach"] == "full":  # the transfer function behind its receptances, which a run shows
+        needs += _moving_units(_model(inputs), inputs["speed"], blocks.up_to(excited_up_to(inputs)))
     for receiver in inputs["receivers"]:
         needs += _receiver_units(inputs, receiver)
     if inputs["approach"] != "full":
@@ -344,7 +363,11 @@ def _transfer_memory(inputs: Inputs) -> int:
 
 def _receptance_bytes(inputs: Inputs) -> int:
     rows = blocks.indices(int(inputs["block"]), 1).size
-    return rows * (len(inputs["distances"]) * COMPLEX + 2 * 400 * (COMPLEX + FLOAT))
+    return rows * len(inputs["distances"]) * COMPLEX
+
+
+def _moving_bytes(inputs: Inputs) -> int:
+    return blocks.indices(int(inputs["block"]), 0).size * 2 * 400 * (COMPLEX + FLOAT)
 
 
 def _line_integral_bytes(inputs: Inputs) -> int:
@@ -403,6 +426,15 @@ KINDS: dict[str, Kind] = {
         compute=_receptance,
         size=_receptance_bytes,
         memory=lambda inputs: 8 * _receptance_bytes(inputs),
+    ),
+    "moving_transfer": Kind(
+        result=MovingTransferBlock,
+        scope=lambda inputs: "speed",
+        needs=_receptance_needs,
+        together=_together(*_Model._fields, "speed"),
+        compute=_moving_transfer,
+        size=_moving_bytes,
+        memory=lambda inputs: 4 * _moving_bytes(inputs),
     ),
     "line_integrals": Kind(
         result=LineIntegrals,

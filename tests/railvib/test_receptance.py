@@ -5,6 +5,7 @@ import pytest
 
 from railvib import blocks
 from railvib.ground import Ground, Layer
+from railvib.moving_transfer import moving_transfer_block
 from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
 
 SOFT = Ground(layers=[Layer(shear_speed=150.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.1)])
@@ -35,14 +36,14 @@ def test_columns_are_signed_distances(rail, track):
     assert np.abs(ahead / behind - 1.0).max() > 1e-2  # a moving load breaks the symmetry
 
 
-def test_integrand_for_the_figures(rail, track):
-    block = receptance_block(rail, track, 40.0, [0.0], 1)
+def test_transfer_function_of_a_moving_load(rail):
+    block = moving_transfer_block(rail, 40.0, 1)
     assert block.rail_moving.shape == block.wavenumber.shape
     row = 20
     known = np.isfinite(block.rail_moving[row])
     assert known.any()
     beta = block.wavenumber[row][known]
-    seen = 2.0 * np.pi * block.moving_frequency[row] - beta * 40.0
+    seen = 2.0 * np.pi * block.frequency[row] - beta * 40.0
     np.testing.assert_allclose(block.rail_moving[row][known], rail.response(beta, seen))
 
 

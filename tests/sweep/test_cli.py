@@ -44,6 +44,7 @@ def test_a_run_leaves_manifest_records_store_and_log(computed):
     assert scopes == {
         "transfer": {"ground"},
         "receptance": {"ground", "speed"},
+        "moving_transfer": {"speed"},
         "line_integrals": {"ground"},
         "spectra": {"case"},
     }
@@ -164,7 +165,7 @@ def test_damage_is_repaired_within_a_run(here):
     (out / store.STORE / first["group"] / name / "c.0.0").unlink()
     for record in records.committed(out, "spectra"):
         records.withdraw(out, "spectra", record["unit_id"])
-    for kind in ("line_integrals", "receptance"):
+    for kind in ("line_integrals", "moving_transfer", "receptance"):
         for record in records.committed(out, kind):
             records.withdraw(out, kind, record["unit_id"])
     from sweep import task

@@ -66,7 +66,9 @@ def test_another_speed_shares_the_ground():
         assert ids(slow, "line_integrals") == ids(fast, "line_integrals")
     slow, fast = both[30.0, "moving-roughness"], both[32.0, "moving-roughness"]
     assert ids(slow, "receptance") == ids(fast, "receptance")
-    assert not ids(both[30.0, "full"], "receptance") & ids(both[32.0, "full"], "receptance")
+    for kind in ("receptance", "moving_transfer"):
+        assert not ids(both[30.0, "full"], kind) & ids(both[32.0, "full"], kind)
+    assert not ids(slow, "moving_transfer")
 
 
 def test_another_receiver_leaves_the_others():
@@ -102,7 +104,7 @@ def test_scopes():
         need.kind: units.KINDS[need.kind].scope(need.inputs)
         for need in units.KINDS["spectra"].needs(unit.inputs)
     }
-    assert scopes == {"receptance": "speed", "transfer": "ground"}
+    assert scopes == {"receptance": "speed", "moving_transfer": "speed", "transfer": "ground"}
 
 
 def test_estimates_are_near_what_is_stored(computed):
