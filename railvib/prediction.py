@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import numpy.typing as npt
 
-from railvib import bands, blocks
+from railvib import bands, blocks, threads
 from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
@@ -35,6 +35,7 @@ def _rail_block(ground: Ground, track: Track, block: int, tolerance: float) -> T
     return transfer_blocks(ground, track, block, ["rail"], tolerance)["rail"]
 
 
+@threads.limited
 def rail_receptance(
     track: Track,
     ground: Ground,
@@ -94,6 +95,7 @@ def rail_receptance(
     return out[()]
 
 
+@threads.limited
 def predict(
     ground: Ground,
     track: Track,
