@@ -15,6 +15,8 @@ HIGHEST = 100.0
 LEAST_LOSS_FACTOR = 1e-3
 _SURELY_SLOW = 0.4
 """Share of the lowest bound of the ground's wave speeds below which a train outruns nothing."""
+_SLOWER_THAN_WAVES = 0.9
+"""The same for the ground's own waves: the mass of a track slows down what they carry together, not them."""
 
 
 @lru_cache(maxsize=256)
@@ -57,10 +59,10 @@ def check_speed(ground: Ground, track: Track, speed: float) -> None:
     """
     if speed < _SURELY_SLOW * ground.slowest_speed:
         return
-    for name, limit in (
-        ("the slowest surface wave of the ground", slowest_surface_wave(ground)),
-        ("the critical speed of track and ground", critical_speed(ground, track, HIGHEST)),
-    ):
+    limits = {"the critical speed of track and ground": critical_speed(ground, track, HIGHEST)}
+    if speed >= _SLOWER_THAN_WAVES * ground.slowest_speed:
+        limits = {"the slowest surface wave of the ground": slowest_surface_wave(ground), **limits}
+    for name, limit in limits.items():
         if speed > limit:
             warnings.warn(
                 f"speed {speed:.1f} m/s ({3.6 * speed:.0f} km/h) exceeds {name}, {limit:.1f} m/s "
