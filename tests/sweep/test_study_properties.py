@@ -216,13 +216,14 @@ def test_the_number_of_workers_enters_no_id(tmp_path, monkeypatch):
     planned = []
     monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
 
-    def execute(request, directory, launch, planned_to_take):
+    def execute(request, directory, launch, *_):
         planned.append((launch.workers, request))
         return 0
 
     monkeypatch.setattr("sweep.run.execute", execute)
     for workers in (0, 1, 3):
-        invoke("run", tmp_path / "small.toml", "--out", tmp_path / "out", "--workers", workers)
+        done = invoke("run", tmp_path / "small.toml", "--out", tmp_path / "out", "--workers", workers)
+        assert done.exit_code == 0, done.output
     assert [workers for workers, _ in planned] == [0, 1, 3]
     assert len({tuple(request.plan.units) for _, request in planned}) == 1
     assert len({tuple(request.plan.tasks) for _, request in planned}) == 1
