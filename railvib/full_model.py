@@ -118,7 +118,8 @@ def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest,
                 while high - start > tiny:
                     b, backward, end = _excited_panel(beta_edge, start, side, shift[i], tiny)
                     if b >= beta_edge.shape[0] - 1:
-                        break  # beyond, there is no excitation
+                        start = end  # beyond the last edge there is no excitation
+                        continue
                     if end > high - tiny:
                         end = high
                     centre = 0.5 * (start + end)

@@ -77,6 +77,21 @@ def test_turned_at_both_signs():
     np.testing.assert_allclose((rr + ii) + 1j * (ir - ri), phase @ terms.conj(), rtol=1e-12, atol=1e-9)
 
 
+def test_nothing_beyond_the_last_edge(track, tables):
+    """An excitation that ends below 2πf/v is one that is cut off there."""
+    soft = Ground(
+        layers=[Layer(shear_speed=120.0, dilatational_speed=300.0, density=1800.0, loss_factor=0.1)]
+    )
+    functions = tables(soft, track, range(1, 3), ("rail", 8.0), 1e-4)
+    f, end = np.array([6.0, 20.0]), 0.5
+    assert np.all(2.0 * np.pi * f / SPEED > end)
+    short = passage_spectra(functions, resolved(sharp, end, ALPHA), 50.0, SPEED, f)
+    cut = passage_spectra(functions, resolved(sharp, 40.0, ALPHA, (0.0, end)), 50.0, SPEED, f)
+    for receiver in functions:
+        assert np.all(short[receiver] > 0.0)
+        np.testing.assert_allclose(short[receiver], cut[receiver], rtol=1e-5)
+
+
 @pytest.mark.parametrize("kmh", [80.0, 200.0])
 def test_tolerance_is_kept_in_lines_and_bands(kmh, track, tables, train):
     """Against an excitation a hundred times as exact: three tolerances of what is around a line, one of a
