@@ -148,11 +148,14 @@ def parts(address: str) -> list[str]:
 
 
 def _reason(message: str) -> str:
-    """Return in a few words what a server or the way to it said."""
+    """Return in a few words what a server or the way to it said.
+
+    Codes count with their names: as digits alone they may be part of a port or of a time.
+    """
     for sign, reason in (
         ("NoSuchBucket", "there is no such bucket"),
-        ("403", "the credentials in the environment do not allow to list it"),
-        ("401", "the credentials in the environment are refused"),
+        ("403 Forbidden", "the credentials in the environment do not allow to list it"),
+        ("401 Unauthorized", "the credentials in the environment are refused"),
         ("error sending request", "the server cannot be reached"),
     ):
         if sign in message:

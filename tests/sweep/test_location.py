@@ -8,7 +8,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 import pytest
 
 from railvib.errors import InputError
-from sweep import location
+from sweep import bucket, location
 from tests.sweep.s3_server import SECRET, s3
 
 __all__ = ["s3"]
@@ -125,6 +125,11 @@ def closed():
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         yield taken.getsockname()[1]
+
+
+def test_digits_in_an_address_are_no_answer_of_a_server():
+    message = "Error performing GET http://127.0.0.1:40321/b in 401.403ms - HTTP error: error sending request"
+    assert bucket._reason(message) == "the server cannot be reached"
 
 
 @pytest.mark.parametrize(
