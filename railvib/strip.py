@@ -14,10 +14,6 @@ import numpy as np
 
 from railvib.vector_math import cos_sin, exp
 
-_DEAD = 40.0
-"""A wave that is less than e^{−40} of what it is at the track is passed over: the waves' amplitudes there add
-up to no more than the peak, of which 1e-12 still counts.
-"""
 CLIP = 150.0
 """Exponents beyond this are cut: e^{−150} is nothing here, and denormal numbers would cost time."""
 
@@ -75,9 +71,9 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
         for k in range(m):
             y = offset[k]
             if y >= b:
-                # The wave has died out on the way from some wavenumber on, or all together.
+                # From some wavenumber on, or all together, nothing is left of the wave.
                 last = n
-                while last > 0 and (y - b) * kr[last - 1] > _DEAD:
+                while last > 0 and (y - b) * kr[last - 1] > CLIP:
                     last -= 1
                 for i in range(last):
                     e = exp(-min((y - b) * kr[i], CLIP))
