@@ -382,7 +382,6 @@ def loaded(
     shared: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
     for value, function in zip(values, functions, strict=True):
         table = function.blocks[block]
-        away = table.distance > 0.0
         if function.track is None or table.compliance is None:
             np.multiply(
                 between(table.reduced(function.track), table.level),
@@ -397,7 +396,7 @@ def loaded(
         under, rail, force = shared[table.level]
         if table.receiver == "rail":
             value[:] = rail
-        elif not away:
+        elif table.offset == 0.0:
             np.multiply(force, under, out=value)
         else:
             np.multiply(force, between(table.reduced(function.track), table.level), out=value)

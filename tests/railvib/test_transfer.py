@@ -19,7 +19,8 @@ SOFT = Ground(
         Layer(shear_speed=220.0, dilatational_speed=500.0, density=1900.0, loss_factor=0.06),
     ]
 )
-RECEIVERS = ("rail", 0.0, 5.0, 20.0)
+RECEIVERS = ("rail", 0.0, 5.0, 20.0, 1.0)
+"""The last one beside the centre line, under the track."""
 
 
 @pytest.fixture(scope="module")
