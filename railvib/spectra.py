@@ -133,7 +133,7 @@ def spectra(
         The rail's receptances: standing for the moving roughness, moving at the train's speed for the full
         model.
     receivers
-        The receivers' tabulated transfer functions.
+        The receivers' tabulated transfer functions, which may be loaded when asked for.
     integrals
         Their line integrals on `lines`; needed for the moving roughness.
     highest
@@ -161,7 +161,7 @@ def spectra(
         force = np.abs(axle_forces(train, rail, f, phase)) ** 2
         with cost.stage("excitation"):
             excited = excitation(train, rail, unevenness, speed, highest, tolerance, refinement)
-        passing = passage_spectra(receivers, excited, train.length, speed, f)
+        passing = passage_spectra(dict(receivers), excited, train.length, speed, f)
         displacement = {receiver: {"line": psd} for receiver, psd in passing.items()}
     elif integrals is None:
         raise ValueError("the moving roughness needs line integrals")

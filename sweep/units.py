@@ -253,6 +253,29 @@ def _transfer_function(inputs: Inputs, receiver: str | float, load: Load) -> Tra
     return TransferFunction(table, Track(**inputs["track"]))
 
 
+class _Receivers(Mapping[str | float, TransferFunction]):
+    """The transfer functions of a unit's receivers, loaded each time that one is asked for.
+
+    Tables of a hundred receivers take more memory than a worker has: whoever goes through them one by one
+    holds one at a time, beside what the worker keeps at hand.
+    """
+
+    def __init__(self, inputs: Inputs, load: Load) -> None:
+        self._inputs = inputs
+        self._load = load
+
+    def __getitem__(self, receiver: str | float) -> TransferFunction:
+        if receiver not in self._inputs["receivers"]:
+            raise KeyError(receiver)
+        return _transfer_function(self._inputs, receiver, self._load)
+
+    def __iter__(self) -> Iterator[str | float]:
+        return iter(self._inputs["receivers"])
+
+    def __len__(self) -> int:
+        return len(self._inputs["receivers"])
+
+
 def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
     return _receiver_units(inputs, inputs["receiver"])
 
@@ -324,7 +347,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 inputs["speed"],
                 np.asarray(inputs["band"]),
                 Receptances([load(need) for need in _spectra_rail(inputs)]),
-                {receiver: _transfer_function(inputs, receiver, load) for receiver in receivers},
+                _Receivers(inputs, load),
                 None if full else {each: load(_line_integral_unit(inputs, each)) for each in receivers},
                 excited_up_to(inputs) if full else None,
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}
