@@ -84,14 +84,14 @@ def stencils(block: int, level: int, f: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def interpolated(block: int, level: int, f: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """Interpolate the rows of a complex table (frequencies, m) to frequencies f (n,) in Hz: (n, m)."""
+    """Interpolate the rows of a table (frequencies, m) to other frequencies f (n,) in Hz: (n, m)."""
     return combined(*stencils(block, level, f), table)
 
 
 def combined(first: np.ndarray, weight: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """Return weighted sums (n, m) of neighbouring rows of a complex table, as `stencils` gives them."""
-    rows = np.ascontiguousarray(table, complex).view(float)
-    return np.asarray(_combined(first, weight, rows)).view(complex)
+    """Return weighted sums (n, m) of neighbouring rows of a table, as `stencils` gives them."""
+    rows = np.ascontiguousarray(table)
+    return np.asarray(_combined(first, weight, rows.view(float))).view(rows.dtype)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})

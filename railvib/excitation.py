@@ -8,12 +8,13 @@ panels of β, which are halved until the series end in nothing.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from railvib import threads
 from railvib.forces import arrivals, axle_forces
-from railvib.panels import ORDER, nodes_between, to_legendre
+from railvib.panels import ORDER, TO_POWERS, nodes_between, to_legendre
 from railvib.receptance import Receptances
 from railvib.unevenness import Unevenness
 from railvib.vehicle import Train
@@ -44,16 +45,21 @@ class Excitation:
     """Lowest and highest β of the unevenness, rad/m: edges of panels, where they are inside."""
 
     def turned(self, phase: np.ndarray) -> np.ndarray:
-        """Return phases (lines, axles) times series, summed over axles: (2, 2, lines, terms).
+        """Return phases (lines, axles) times q_l, summed over axles: (2, 2, lines, terms).
 
-        The first index tells the real from the imaginary part of the phase, the second those of the series.
-        From these follow A = Σ_l phase_l q_l at β, and at −β.
+        The first index tells the real from the imaginary part of the phase, the second those of q_l, which is
+        given in powers of x from −1 to 1 over its panels. From these follow A = Σ_l phase_l q_l at β, and
+        at −β.
         """
-        terms = self.series.reshape(self.series.shape[0], -1)
+        terms = self._powers
         with threads.single():
-            return np.asarray(
-                np.stack([phase.real, phase.imag])[:, None] @ np.stack([terms.real, terms.imag])
-            )
+            return np.asarray(np.stack([phase.real, phase.imag])[:, None] @ terms)
+
+    @cached_property
+    def _powers(self) -> np.ndarray:
+        """Real and imaginary part of q_l in powers of x, (2, axles, terms)."""
+        terms = (self.series @ TO_POWERS).reshape(self.series.shape[0], -1)
+        return np.stack([terms.real, terms.imag])
 
 
 def excitation(

@@ -9,6 +9,9 @@ receiving frequency, over wavenumber. With β = ω/v = κ + 2πf/v and
 the response is S(f) = (1/(T v²)) ∫ |H̃(κ, f)|² |A(κ + 2πf/v, f)|² dκ over all κ (Eq. 29). The q_l are smooth,
 because the phases of the forces are taken out, and are computed once for every receiving frequency, by
 `railvib.excitation`.
+
+The integral over a panel of κ on which |H̃|² is a polynomial is a weighted sum of its values at the panel's
+nodes. The weights follow from the excitation alone: receivers whose tables share their nodes share them.
 """
 
 from collections.abc import Mapping
@@ -18,13 +21,21 @@ import numpy as np
 
 from railvib import cost
 from railvib.excitation import Excitation
-from railvib.panels import DOWNWARD, NODE, ORDER, UPWARD, WEIGHT, count_below, to_legendre
-from railvib.transfer import Receiver, TransferFunction, same_nodes, together
+from railvib.panels import FROM_POWERS, ORDER, WEIGHT, count_below
+from railvib.squared import same_nodes, squared
+from railvib.transfer import Receiver, TransferFunction
 from railvib.vehicle import Train
 
 _LINES_AT_ONCE = 64
+_RECEIVERS_AT_ONCE = 8
+"""Whose tables are held at the same time."""
 _PARTS = 32
 """Parts of panels that are gathered before they are integrated over together, in vector registers."""
+_NODES = 8
+_NODE, _WEIGHT = np.polynomial.legendre.leggauss(_NODES)
+"""Nodes of a part: fewer than a panel's, as parts are small against one of their two panels."""
+_LONGEST_PART = 1.25
+"""Sum of a part's shares in its panels of κ and β up to which these nodes resolve what is integrated."""
 _NEGLIGIBLE = 1e-16
 """Share of ∫ |H̃|² below which a panel is passed over: no excitation is stronger than another by that much."""
 
@@ -41,7 +52,7 @@ def passage_spectra(
     Parameters
     ----------
     receivers
-        The receivers' tabulated transfer functions.
+        The receivers' tabulated transfer functions, taken some at a time.
     excited
         The forces, from `excitation`.
     train_length
@@ -58,58 +69,98 @@ def passage_spectra(
     """
     psd = {receiver: np.empty(frequency.size) for receiver in receivers}
     with cost.stage("passage") as spent:
-        for start in range(0, frequency.size, _LINES_AT_ONCE):
-            here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
-            turn = np.exp(2j * np.pi / speed * frequency[here, None] * excited.axle_position)
-            parts = excited.turned(turn)
-            for members, block, own in same_nodes(receivers, frequency[here]):
-                f = frequency[here[own]]
-                value = together([receivers[each] for each in members], block, f)
-                on_panels = value.reshape(*value.shape[:2], -1, ORDER)
-                integrals = _wavenumber_integrals(
-                    receivers[members[0]].blocks[block].nodes.panel_edges(f),
-                    to_legendre(on_panels).view(float),
-                    2.0 * np.pi * f / speed,
-                    parts,
-                    own,
-                    excited.edge,
-                    *excited.wavenumbers,
-                )
-                for receiver, integral in zip(members, integrals.T, strict=True):
-                    psd[receiver][here[own]] = integral
-                spent.evaluations += 2 * value.size
-                spent.kernel_calls += 1
+        # By distance, as the near ones share their nodes.
+        ordered = sorted(receivers, key=_distance)
+        for i in range(0, len(ordered), _RECEIVERS_AT_ONCE):
+            functions = {each: receivers[each] for each in ordered[i : i + _RECEIVERS_AT_ONCE]}
+            for start in range(0, frequency.size, _LINES_AT_ONCE):
+                here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
+                turn = np.exp(2j * np.pi / speed * frequency[here, None] * excited.axle_position)
+                parts = excited.turned(turn)
+                for members, block, own in same_nodes(functions, frequency[here]):
+                    f = frequency[here[own]]
+                    edge = functions[members[0]].blocks[block].nodes.panel_edges(f)
+                    value = squared([functions[each] for each in members], block, f)
+                    value = value.reshape(*value.shape[:2], -1, ORDER)
+                    needed = _needed(edge, value)
+                    moment = _moments(
+                        edge,
+                        needed.any(axis=0),
+                        2.0 * np.pi * f / speed,
+                        parts,
+                        own,
+                        excited.edge,
+                        *excited.wavenumbers,
+                    )
+                    integrals = _sums(needed, moment @ FROM_POWERS, value)
+                    for receiver, integral in zip(members, integrals, strict=True):
+                        psd[receiver][here[own]] = integral
+                    spent.evaluations += 2 * value.size
+                    spent.kernel_calls += 1
     return {receiver: each / (train_length * speed) for receiver, each in psd.items()}
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest, highest):
-    """Return ∫ |H̃(κ)|² |A(κ + shift)|² dκ over lowest ≤ |κ + shift| ≤ highest, (lines, receivers).
+def _distance(receiver: Receiver) -> float:
+    return -1.0 if receiver == "rail" else float(receiver)
 
-    Panels of κ and those of β cut each other into parts with nodes of their own. `transfer` holds the
-    Legendre series of H̃, (receivers, lines, panels, 2·order), real and imaginary parts in turn; `rows` tells
-    which lines of `parts`, from `Excitation.turned`, these are.
+
+@numba.njit(cache=True, error_model="numpy")
+def _needed(edge, value):
+    """Return which panels hold more than a negligible share of ∫ |H̃|² dκ, (receivers, lines, panels)."""
+    receivers, lines, panels, _ = value.shape
+    needed = np.empty((receivers, lines, panels), np.bool_)
+    share = np.empty(panels)
+    for q in range(receivers):
+        for i in range(lines):
+            total = 0.0
+            for p in range(panels):
+                share[p] = 0.0
+                for n in range(ORDER):
+                    share[p] += WEIGHT[n] * value[q, i, p, n]
+                share[p] *= edge[i, p + 1] - edge[i, p]
+                total += share[p]
+            for p in range(panels):
+                needed[q, i, p] = share[p] >= _NEGLIGIBLE * total
+    return needed
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _sums(needed, weight, value):
+    """Return the weighted sums of |H̃|² over the nodes of the panels needed, (receivers, lines)."""
+    receivers, lines, panels, _ = value.shape
+    out = np.zeros((receivers, lines))
+    for q in range(receivers):
+        for i in range(lines):
+            for p in range(panels):
+                if needed[q, i, p]:
+                    for n in range(ORDER):
+                        out[q, i] += weight[i, p, n] * value[q, i, p, n]
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest):
+    """Return ∫ |A(κ + shift)|² xⁿ dκ, x from −1 to 1 over a panel of |κ|, (lines, panels, order).
+
+    Over lowest ≤ |κ + shift| ≤ highest, at the panels wanted, 0 elsewhere. Panels of κ and those of β cut
+    each other into parts with nodes of their own. `rows` tells which lines of `parts`, from
+    `Excitation.turned`, these are.
     """
-    receivers, lines, panels, _ = transfer.shape
-    out = np.zeros((lines, receivers))
+    lines, panels = wanted.shape
+    out = np.zeros((lines, panels, ORDER))
     tiny = 1e-12 * beta_edge[-1]
     terms = parts.shape[3]
     amplitude = np.empty((2, 2 * terms))
-    needed = np.empty((receivers, panels), np.bool_)
-    share = np.empty(panels)
-    line = np.empty(_PARTS, np.int64)
+    owner = np.empty((2, _PARTS), np.int64)
     place = np.zeros((5, _PARTS))
-    series = np.zeros((1 + receivers, 2 * ORDER, _PARTS))
-    squares = np.empty((2 + receivers, _PARTS))
+    series = np.zeros((2 * ORDER, _PARTS))
+    power = np.empty((2, _NODES, _PARTS))
+    moment = np.empty((ORDER, _PARTS))
     count = 0
     for i in range(lines):
         _amplitudes(parts, rows[i], amplitude)
-        _mark_needed(edge[i], transfer[:, i], share, needed)
         for p in range(panels):
-            wanted = False
-            for q in range(receivers):
-                wanted |= needed[q, p]
-            if not wanted:
+            if not wanted[i, p]:
                 continue
             low = edge[i, p]
             high = edge[i, p + 1]
@@ -122,6 +173,9 @@ def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest,
                         continue
                     if end > high - tiny:
                         end = high
+                    scale = 2.0 / (beta_edge[b + 1] - beta_edge[b])
+                    if (end - start) * (0.5 * scale + 1.0 / (high - low)) > _LONGEST_PART:
+                        end = 0.5 * (start + end)
                     centre = 0.5 * (start + end)
                     half = 0.5 * (end - start)
                     start = end
@@ -129,7 +183,6 @@ def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest,
                     if not lowest <= abs(beta) <= highest:
                         continue
                     # Where the part's nodes lie on the panels of β and of κ: offset and slope.
-                    scale = 2.0 / (beta_edge[b + 1] - beta_edge[b])
                     place[0, count] = (abs(beta) - beta_edge[b]) * scale - 1.0
                     place[1, count] = (-side if backward else side) * half * scale
                     place[2, count] = 2.0 * (centre - low) / (high - low) - 1.0
@@ -137,58 +190,51 @@ def _wavenumber_integrals(edge, transfer, shift, parts, rows, beta_edge, lowest,
                     place[4, count] = half
                     first = b * ORDER + (terms if backward else 0)
                     for n in range(ORDER):
-                        series[0, 2 * n, count] = amplitude[0, first + n]
-                        series[0, 2 * n + 1, count] = amplitude[1, first + n]
-                    for q in range(receivers):
-                        # Nothing where another receiver alone needs the panel: none depends on the others.
-                        for n in range(2 * ORDER):
-                            series[1 + q, n, count] = transfer[q, i, p, n] if needed[q, p] else 0.0
-                    line[count] = i
+                        series[2 * n, count] = amplitude[0, first + n]
+                        series[2 * n + 1, count] = amplitude[1, first + n]
+                    owner[0, count] = i
+                    owner[1, count] = p
                     count += 1
                     if count == _PARTS:
-                        _add_parts(count, place, series, squares, line, out)
+                        _integrate(place, series, power, moment)
+                        _add(count, owner, moment, out)
                         count = 0
-    _add_parts(count, place, series, squares, line, out)
+    _integrate(place, series, power, moment)
+    _add(count, owner, moment, out)
     return out
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _add_parts(count, place, series, squares, line, out):
-    """Add the integrals over some parts to the sums of their lines; `squares` is room to work in.
+def _integrate(place, series, power, moment):
+    """Write the moments of |A|² over some parts; `power` is room to work in.
 
     All places are computed, whatever the count, so that each goes through the same vector instructions.
     """
-    receivers = series.shape[0] - 1
-    for q in range(receivers):
+    for j in range(_NODES):
         for m in range(_PARTS):
-            squares[2 + q, m] = 0.0
-    for j in range(ORDER):
-        _squares(place[0], place[1], NODE[j], series[0], squares[0])
-        for q in range(receivers):
-            _squares(place[2], place[3], NODE[j], series[1 + q], squares[1])
-            for m in range(_PARTS):
-                squares[2 + q, m] += WEIGHT[j] * squares[0, m] * squares[1, m]
+            x = place[0, m] + place[1, m] * _NODE[j]
+            real = series[2 * ORDER - 2, m]
+            imag = series[2 * ORDER - 1, m]
+            for n in range(ORDER - 2, -1, -1):
+                real = real * x + series[2 * n, m]
+                imag = imag * x + series[2 * n + 1, m]
+            power[0, j, m] = _WEIGHT[j] * place[4, m] * (real * real + imag * imag)
+            power[1, j, m] = place[2, m] + place[3, m] * _NODE[j]
+    for n in range(ORDER):
+        for m in range(_PARTS):
+            total = 0.0
+            for j in range(_NODES):
+                total += power[0, j, m]
+                power[0, j, m] *= power[1, j, m]
+            moment[n, m] = total
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add(count, owner, moment, out):
+    """Add the moments of some parts to those of their panels."""
     for m in range(count):
-        for q in range(receivers):
-            out[line[m], q] += place[4, m] * squares[2 + q, m]
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _squares(offset, slope, node, series, out):
-    """Write |Σ_n s_n P_n(x)|² at one node of several parts, x = offset + slope·node."""
-    for m in range(_PARTS):
-        x = offset[m] + slope[m] * node
-        below = 1.0
-        here = x
-        real = series[0, m] + series[2, m] * x
-        imag = series[1, m] + series[3, m] * x
-        for n in range(1, ORDER - 1):
-            above = UPWARD[n] * x * here - DOWNWARD[n] * below
-            real += series[2 * n + 2, m] * above
-            imag += series[2 * n + 3, m] * above
-            below = here
-            here = above
-        out[m] = real * real + imag * imag
+        for n in range(ORDER):
+            out[owner[0, m], owner[1, m], n] += moment[n, m]
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
@@ -219,21 +265,6 @@ def _excited_panel(edge, kappa, side, shift, tiny):
         return n, False, shift - edge[n]
     n = count_below(edge, -beta + tiny)
     return n - 1, True, (edge[n] + shift if n < edge.shape[0] else np.inf)
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _mark_needed(edge, transfer, share, needed):
-    """Mark for every receiver the panels with more than a negligible share of ∫ |H̃|² dκ."""
-    for q in range(transfer.shape[0]):
-        total = 0.0
-        for p in range(share.shape[0]):
-            share[p] = 0.0
-            for n in range(ORDER):  # Parseval: ∫ P_n² dx = 2/(2n + 1)
-                squared = transfer[q, p, 2 * n] ** 2 + transfer[q, p, 2 * n + 1] ** 2
-                share[p] += (edge[p + 1] - edge[p]) * squared / (2.0 * n + 1.0)
-            total += share[p]
-        for p in range(share.shape[0]):
-            needed[q, p] = share[p] >= _NEGLIGIBLE * total
 
 
 def quasi_static_spectra(

@@ -17,9 +17,12 @@ ORDER = 12
 NODE, WEIGHT = legendre.leggauss(ORDER)
 TO_LEGENDRE = legendre.legvander(NODE, ORDER - 1).T * WEIGHT * (np.arange(ORDER) + 0.5)[:, None]
 """Legendre coefficients from the values at a panel's nodes: rows n, columns nodes."""
-UPWARD = np.array([(2.0 * n + 1.0) / (n + 1.0) for n in range(ORDER)])
-DOWNWARD = np.array([n / (n + 1.0) for n in range(ORDER)])
-"""Of the recurrence P_{n+1} = upward x P_n − downward P_{n−1}."""
+TO_POWERS = np.array(
+    [np.pad(legendre.leg2poly(row), (0, ORDER - 1 - n)) for n, row in enumerate(np.eye(ORDER))]
+)
+"""Coefficients of powers of x from Legendre coefficients: rows Legendre polynomials, columns powers."""
+FROM_POWERS = TO_POWERS.T @ TO_LEGENDRE
+"""What weights of the nodes follow from weights of the powers: rows powers, columns nodes."""
 BARYCENTRIC = np.array([1.0 / np.prod(each - np.delete(NODE, i)) for i, each in enumerate(NODE)])
 """Barycentric weights of the nodes."""
 _MOST_PHASE = 8.0

@@ -10,7 +10,8 @@ from railvib import bands, cost, threads
 from railvib.excitation import excitation
 from railvib.forces import arrivals, axle_forces, axle_numbers, force_matrices
 from railvib.full_model import passage_spectra, quasi_static_spectra
-from railvib.moving_roughness import LineIntegrals, axle_pairs, force_products, line_means, products
+from railvib.line_integrals import LineIntegrals
+from railvib.moving_roughness import axle_pairs, force_products, line_means, products
 from railvib.receptance import Receptances
 from railvib.train_average import TrainIntegrals
 from railvib.transfer import Receiver, TransferFunction
@@ -135,7 +136,7 @@ def spectra(
     receivers
         The receivers' tabulated transfer functions, which may be loaded when asked for.
     integrals
-        Their line integrals on `lines`; needed for the moving roughness.
+        Their line integrals at the train's axle distances; needed for the moving roughness.
     highest
         Highest frequency of excitation, Hz; needed for the full model.
     over_train
@@ -238,20 +239,25 @@ def _standing(
     """Return what a standing train does per unit unevenness: |P|², (lines, axles), N²/m², and ∫ |u|² dx."""
     force = np.empty(phase.shape)
     parts: list[Means] = []
+    with cost.stage("line average"):
+        distance = next(iter(integrals.values())).distance
+        on_lines = {receiver: each.at(frequency) for receiver, each in integrals.items()}
     for start in range(0, frequency.size, LINES_AT_ONCE):
         here = slice(start, start + LINES_AT_ONCE)
         if approach == "moving-roughness-by-axle":
             matrices = force_matrices(train, rail, frequency[here])
             sets = matrices @ phase[here, :, None]
             with cost.stage("line average"):
-                parts.append(_means_by_axle(train, matrices, phase[here], here, integrals, over_train))
+                parts.append(
+                    _means_by_axle(train, matrices, phase[here], here, distance, on_lines, over_train)
+                )
         else:
             if approach == "moving-roughness-uncorrelated":  # Eq. 28: each axle's unevenness alone
                 sets = force_matrices(train, rail, frequency[here])
             else:  # Eq. 23: one set of forces, that of all axles together
                 sets = axle_forces(train, rail, frequency[here], phase[here])[..., None]
             with cost.stage("line average"):
-                parts.append(_means(train, sets, here, integrals, over_train))
+                parts.append(_means(train, sets, here, distance, on_lines, over_train))
         force[here] = (np.abs(sets) ** 2).sum(axis=2)
     joined = {
         receiver: {name: np.concatenate([part[receiver][name] for part in parts]) for name in each}
@@ -264,14 +270,16 @@ def _means(
     train: Train,
     sets: np.ndarray,
     rows: slice,
-    integrals: Mapping[Receiver, LineIntegrals],
+    distance: np.ndarray,
+    integrals: Mapping[Receiver, np.ndarray],
     over_train: Mapping[Receiver, TrainIntegrals],
 ) -> Means:
     """Return ∫ |u|² dx summed over sets of forces (lines, axles, sets), each alone."""
     product = force_products(sets)
+    here = {receiver: each[rows] for receiver, each in integrals.items()}
     means = {
         receiver: {"line": mean}
-        for receiver, mean in line_means(integrals, rows, train.axle_positions, product).items()
+        for receiver, mean in line_means(here, distance, train.axle_positions, product).items()
     }
     for receiver, each in over_train.items():
         means[receiver]["train"] = np.einsum("flm,flm->f", product, each.integral[rows]).real
@@ -283,13 +291,14 @@ def _means_by_axle(
     matrices: np.ndarray,
     phase: np.ndarray,
     rows: slice,
-    integrals: Mapping[Receiver, LineIntegrals],
+    distance: np.ndarray,
+    integrals: Mapping[Receiver, np.ndarray],
     over_train: Mapping[Receiver, TrainIntegrals],
 ) -> Means:
     """Return ∫ |u|² dx from the products H^p* H^q of the responses to each axle's unevenness (Eq. 27)."""
     means: Means = {}
     for receiver, each in integrals.items():
-        pairs = {"line": axle_pairs(each, train.axle_positions, rows)}
+        pairs = {"line": axle_pairs(each[rows], distance, train.axle_positions)}
         if over_train:
             pairs["train"] = over_train[receiver].integral[rows]
         means[receiver] = {

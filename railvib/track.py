@@ -123,7 +123,7 @@ def track_response(
     given = np.asarray(wavenumber, float), np.asarray(omega, float), np.asarray(compliance, complex)
     shape = np.broadcast_shapes(*(each.shape for each in given))
     beta, w, c = (each.ravel() if each.shape == shape else _filled(each, shape) for each in given)
-    rail, force = _responses(beta, w, c, *_parameters(track))
+    rail, force = _responses(beta, w, c, *parameters(track))
     return rail.reshape(shape), force.reshape(shape)
 
 
@@ -135,7 +135,7 @@ def _filled(value: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 @lru_cache(64)
-def _parameters(track: Track) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def parameters(track: Track) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return stiffness, mass and loss factor of the bed from below, slab or sleepers, pads and rails."""
     bed = [(layer.stiffness, layer.mass, layer.loss_factor) for layer in reversed(track.bed)]
     if track.form == "slab":
@@ -164,54 +164,54 @@ def _responses(beta, omega, compliance, bed, support, pad, rail):
             q[LANES + i] = compliance[first + i].imag
             q[4 * LANES + i] = beta[first + i]
             q[5 * LANES + i] = omega[first + i]
-        _load(m, q, bed, support, pad, rail)
+        load(m, q, bed, support, pad, rail)
         for i in range(m):
-            displacement[first + i] = complex(q[i], q[LANES + i])
-            pressed[first + i] = complex(q[2 * LANES + i], q[3 * LANES + i])
+            force = reciprocal(complex(q[2 * LANES + i], q[3 * LANES + i]))
+            displacement[first + i] = complex(q[i], q[LANES + i]) * force
+            pressed[first + i] = force
     return displacement, pressed
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _load(n, q, bed, support, pad, rail):
-    """Put the track on the ground: q holds C, room for two, β and ω̂; then displacement and force first."""
+def load(n, q, bed, support, pad, rail):
+    """Find what a unit force on the ground takes: displacement of the rail and force on it, per lane.
+
+    From the ground up, so that nothing is divided by but the stiffness of layers. `q` holds C, room for two,
+    β and ω̂, each of `LANES` values, of which n count; then displacement and force take the first four places.
+    """
     n = min(n, LANES)
     for i in range(n):
         q[2 * LANES + i] = 1.0
         q[3 * LANES + i] = 0.0
-    # From the ground up: c is the flexibility seen from above, force that on the ground per force above.
     for layer in range(bed.shape[0]):
         k0, mass, loss = bed[layer]
         for i in range(n):
-            c = complex(q[i], q[LANES + i])
+            below = complex(q[i], q[LANES + i])
             force = complex(q[2 * LANES + i], q[3 * LANES + i])
             omega = q[5 * LANES + i]
             k = complex(k0, _sign(omega) * k0 * loss)
             inertia = omega * omega * mass
             diagonal = k - inertia / 3.0
             coupling = k + inertia / 6.0
-            # Force at the bottom per force at the top, and flexibility at the top.
-            bottom = 1.0 + diagonal * c
-            top = reciprocal(diagonal * bottom - coupling * coupling * c)
-            force *= coupling * top
-            c = bottom * top
-            q[i] = c.real
-            q[LANES + i] = c.imag
+            above = (force + diagonal * below) * reciprocal(coupling)
+            force = diagonal * above - coupling * below
+            q[i] = above.real
+            q[LANES + i] = above.imag
             q[2 * LANES + i] = force.real
             q[3 * LANES + i] = force.imag
+    static = 1.0 / pad[0]
+    damped = reciprocal(complex(pad[0], pad[0] * pad[2]))
     for i in range(n):
-        c = complex(q[i], q[LANES + i])
+        u = complex(q[i], q[LANES + i])
         force = complex(q[2 * LANES + i], q[3 * LANES + i])
         b2 = q[4 * LANES + i] * q[4 * LANES + i]
         w2 = q[5 * LANES + i] * q[5 * LANES + i]
         sign = _sign(q[5 * LANES + i])
-        loaded = reciprocal(1.0 + c * _beam(support, b2 * b2, w2, sign))
-        force *= loaded
-        c = c * loaded + reciprocal(complex(pad[0], sign * pad[0] * pad[2]))
-        loaded = reciprocal(1.0 + c * _beam(rail, b2 * b2, w2, sign))
-        c *= loaded
-        force *= loaded
-        q[i] = c.real
-        q[LANES + i] = c.imag
+        force += _beam(support, b2 * b2, w2, sign) * u
+        u += complex(static if sign == 0.0 else damped.real, sign * damped.imag) * force
+        force += _beam(rail, b2 * b2, w2, sign) * u
+        q[i] = u.real
+        q[LANES + i] = u.imag
         q[2 * LANES + i] = force.real
         q[3 * LANES + i] = force.imag
 

@@ -12,7 +12,7 @@ Between the frequencies of a table the ground's compliance is interpolated, and 
 exactly: rails on pads resonate more sharply than damped ground, and would ask for many more frequencies.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -27,6 +27,8 @@ from railvib.vector_math import cos_sin, exp
 
 Receiver = str | float
 """``"rail"``, or the distance from the centre line in m."""
+MOST_DECAY = 60.0
+"""Exponent beyond which the decay of a reference wave is cut: nothing is left."""
 
 
 @dataclass(frozen=True)
@@ -201,7 +203,7 @@ def _decay(k, beta, distance):
             size = np.sqrt(abs(squared)) * distance
             evanescent = squared >= 0.0
             c, s = cos_sin(size)
-            e = exp(-min(size, 60.0))
+            e = exp(-min(size, MOST_DECAY))
             row[2 * j] = e if evanescent else c
             row[2 * j + 1] = 0.0 if evanescent else -s
     return out
@@ -310,22 +312,6 @@ class TransferFunction:
             found = loaded([self], table.block, f, beta[:, None], between)[0][:, 0]
             value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)
         return value
-
-
-def same_nodes(
-    receivers: Mapping[Receiver, TransferFunction], frequency: np.ndarray
-) -> Iterator[tuple[list[Receiver], int, np.ndarray]]:
-    """Yield receivers whose tables have the same nodes, their block, and which frequencies lie in it."""
-    groups: dict[tuple[int, Nodes, bytes], list[Receiver]] = {}
-    for receiver, transfer in receivers.items():
-        which = blocks.assigned(frequency, transfer.blocks)
-        for block in np.unique(which):
-            # Tables may end at different blocks, whose halos then serve the frequencies beyond.
-            own = np.flatnonzero(which == block)
-            key = int(block), transfer.blocks[int(block)].nodes, own.tobytes()
-            groups.setdefault(key, []).append(receiver)
-    for (block, _nodes, rows), members in groups.items():
-        yield members, block, np.frombuffer(rows, dtype=np.intp)
 
 
 def together(functions: Sequence[TransferFunction], block: int, frequency: np.ndarray) -> np.ndarray:

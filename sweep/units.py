@@ -20,7 +20,7 @@ from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
-from railvib.moving_roughness import LineIntegrals, line_integrals
+from railvib.line_integrals import LineIntegralBlock, LineIntegrals, line_integral_blocks
 from railvib.moving_transfer import MovingTransferBlock, moving_transfer_block
 from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
@@ -120,48 +120,33 @@ def _moving_units(model: _Model, speed: float, which: range) -> tuple[Unit, ...]
     )
 
 
-def _line_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
-    """Return the unit of one receiver's line integrals on the narrow-band lines of a case."""
-    axles = train_axles(inputs["train"])
-    return _integral_unit(
-        "line_integrals",
-        _model(inputs),
-        receiver,
-        inputs["band"],
-        line_step(axles.train_length, inputs["speed"]),
-        distances=tuple(each for each in axles.distances if each >= 0.0),
+@lru_cache(REMEMBERED)
+def _line_integral_units(
+    model: _Model, train: Canonical, receiver: str | float, which: range
+) -> tuple[Unit, ...]:
+    """Return the units of one receiver's line integrals over some blocks, for the axles of a train."""
+    return tuple(
+        Unit.of(
+            "line_integrals",
+            receiver=receiver,
+            distances=tuple(each for each in train_axles(train).distances if each >= 0.0),
+            block=block,
+            **model.inputs,
+        )
+        for block in reversed(which)  # the highest first: it takes longest
     )
 
 
 def _train_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
     """Return the unit of one receiver's integrals over the train on the narrow-band lines of a case."""
     axles = train_axles(inputs["train"])
-    return _integral_unit(
-        "train_integrals",
-        _model(inputs),
-        receiver,
-        inputs["band"],
-        line_step(axles.train_length, inputs["speed"]),
-        axle_position=axles.position,
-    )
-
-
-@lru_cache(REMEMBERED)
-def _integral_unit(
-    kind: str,
-    model: _Model,
-    receiver: str | float,
-    band: tuple[float, ...],
-    step: float,
-    **axles: tuple[float, ...],
-) -> Unit:
     return Unit.of(
-        kind,
+        "train_integrals",
         receiver=receiver,
-        band=band,
-        step=step,
-        **model.inputs,
-        **axles,
+        band=inputs["band"],
+        step=line_step(axles.train_length, inputs["speed"]),
+        axle_position=axles.position,
+        **_model(inputs).inputs,
     )
 
 
@@ -280,16 +265,25 @@ def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
     return _receiver_units(inputs, inputs["receiver"])
 
 
-def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegrals]]:
+def _line_integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
+    block = int(inputs["block"])
+    return _transfer_units(_model(inputs), inputs["receiver"], range(block, block + 1))
+
+
+def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegralBlock]]:
     first = units[0].inputs
+    track, block = Track(**first["track"]), int(first["block"])
     classes: dict[float, dict[str | float, Unit]] = {}
     for unit in units:
         receiver = unit.inputs["receiver"]
         classes.setdefault(distance_class(receiver), {})[receiver] = unit
     for asked in classes.values():  # receivers of one class share their nodes, and so their costs
-        receivers = {each: _transfer_function(unit.inputs, each, load) for each, unit in asked.items()}
-        made = line_integrals(receivers, first["distances"], narrow_lines(first))
-        yield {asked[receiver]: integrals for receiver, integrals in made.items()}
+        receivers = {
+            each: TransferFunction([load(need) for need in _line_integral_needs(unit.inputs)], track)
+            for each, unit in asked.items()
+        }
+        made = line_integral_blocks(receivers, first["distances"], block, first["tolerance"])
+        yield {asked[receiver]: table for receiver, table in made.items()}
 
 
 def _train_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TrainIntegrals]]:
@@ -321,6 +315,11 @@ def _spectra_rail(inputs: Inputs) -> tuple[Unit, ...]:
     return _receptance_units(_model(inputs), inputs["train"], speed, which)
 
 
+def _line_integrals_of(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
+    """Return the line integrals of one receiver that a case by the moving roughness rests on."""
+    return _line_integral_units(_model(inputs), inputs["train"], receiver, covering(inputs["band"]))
+
+
 def _spectra_needs(inputs: Inputs) -> list[Unit]:
     needs = [*_spectra_rail(inputs)]
     if inputs["approach"] == "full":  # the transfer function behind its receptances, which a run shows
@@ -328,7 +327,8 @@ def _spectra_needs(inputs: Inputs) -> list[Unit]:
     for receiver in inputs["receivers"]:
         needs += _receiver_units(inputs, receiver)
     if inputs["approach"] != "full":
-        needs += [_line_integral_unit(inputs, receiver) for receiver in inputs["receivers"]]
+        for receiver in inputs["receivers"]:
+            needs += _line_integrals_of(inputs, receiver)
     if "train" in inputs["averaging"]:
         needs += [_train_integral_unit(inputs, receiver) for receiver in inputs["receivers"]]
     return needs
@@ -348,7 +348,12 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 np.asarray(inputs["band"]),
                 Receptances([load(need) for need in _spectra_rail(inputs)]),
                 _Receivers(inputs, load),
-                None if full else {each: load(_line_integral_unit(inputs, each)) for each in receivers},
+                None
+                if full
+                else {
+                    each: LineIntegrals([load(need) for need in _line_integrals_of(inputs, each)])
+                    for each in receivers
+                },
                 excited_up_to(inputs) if full else None,
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}
                 if "train" in inputs["averaging"]
@@ -370,13 +375,17 @@ def waves_between(inputs: Inputs) -> float:
     return distance * highest / Ground(**inputs["ground"]).slowest_speed
 
 
-def _transfer_bytes(inputs: Inputs) -> int:
-    """Estimate a table: frequencies of the level that so many waves take, by nodes."""
+def _transfer_rows(inputs: Inputs) -> int:
+    """Estimate the frequencies of a table: the level that so many waves take."""
     waves = waves_between(inputs)
     level = min(max(math.ceil(math.log2(max(waves, 1.0) / 4.0)), 0), MOST_LEVELS)
-    rows = blocks.indices(int(inputs["block"]), level).size
-    nodes = 400 + 10 * waves
-    return int(rows * nodes * (COMPLEX + FLOAT))
+    return int(blocks.indices(int(inputs["block"]), level).size)
+
+
+def _transfer_bytes(inputs: Inputs) -> int:
+    """Estimate a table: frequencies by nodes."""
+    nodes = 400 + 10 * waves_between(inputs)
+    return int(_transfer_rows(inputs) * nodes * (COMPLEX + FLOAT))
 
 
 def _transfer_memory(inputs: Inputs) -> int:
@@ -394,7 +403,7 @@ def _moving_bytes(inputs: Inputs) -> int:
 
 
 def _line_integral_bytes(inputs: Inputs) -> int:
-    return narrow_lines(inputs).size * len(inputs["distances"]) * FLOAT
+    return _transfer_rows(inputs) * len(inputs["distances"]) * FLOAT
 
 
 def _train_integral_bytes(inputs: Inputs) -> int:
@@ -460,10 +469,10 @@ KINDS: dict[str, Kind] = {
         memory=lambda inputs: 4 * _moving_bytes(inputs),
     ),
     "line_integrals": Kind(
-        result=LineIntegrals,
+        result=LineIntegralBlock,
         scope=lambda inputs: "ground",
-        needs=_integral_needs,
-        together=_together(*_Model._fields, "distances", "step", "band"),
+        needs=_line_integral_needs,
+        together=_together(*_Model._fields, "distances", "block"),
         compute=_line_integrals,
         size=_line_integral_bytes,
         memory=lambda inputs: 4 * _line_integral_bytes(inputs),

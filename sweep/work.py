@@ -39,8 +39,10 @@ def amounts(task: Sequence[Unit]) -> tuple[str, Amounts]:
     if first.kind == "receptance":
         sort = "moving receptance" if first.inputs["speed"] else "standing receptance"
         return sort, _sum([_receptance(unit.inputs) for unit in task])
-    if first.kind in ("line_integrals", "train_integrals"):
-        return first.kind, _sum([_integrals(unit.inputs) for unit in task])
+    if first.kind == "line_integrals":
+        return first.kind, _sum([_line_integrals(unit.inputs) for unit in task])
+    if first.kind == "train_integrals":
+        return first.kind, _sum([_train_integrals(unit.inputs) for unit in task])
     if first.kind == "spectra" and first.inputs["approach"] == "full":
         return "full", _sum([_full(unit.inputs) for unit in task])
     if first.kind == "spectra":
@@ -99,11 +101,14 @@ def _table_nodes(inputs: Inputs, receivers: Sequence[str | float]) -> float:
     return sum(table_size(each)[1] for each in asked)
 
 
-def _integrals(inputs: Inputs) -> Amounts:
-    lines = float(units.narrow_lines(inputs).size)
-    values = lines * _table_nodes(inputs, [inputs["receiver"]])
-    across = len(inputs["distances"]) if "distances" in inputs else len(inputs["axle_position"]) ** 2
-    return {"units": 1.0, "values": values, "values of axles": values * across}
+def _line_integrals(inputs: Inputs) -> Amounts:
+    rows, nodes = table_size(inputs)
+    return {"units": 1.0, "values": rows * nodes, "values of axles": rows * nodes * len(inputs["distances"])}
+
+
+def _train_integrals(inputs: Inputs) -> Amounts:
+    values = float(units.narrow_lines(inputs).size) * _table_nodes(inputs, [inputs["receiver"]])
+    return {"units": 1.0, "values": values, "values of axles": values * len(inputs["axle_position"]) ** 2}
 
 
 def _moving_roughness(inputs: Inputs) -> Amounts:

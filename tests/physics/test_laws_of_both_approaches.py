@@ -10,7 +10,8 @@ from railvib.excitation import excitation, resolved
 from railvib.forces import arrivals, axle_distances, force_matrices
 from railvib.full_model import passage_spectra
 from railvib.ground import Ground, Layer
-from railvib.moving_roughness import axle_pairs, line_integrals, products
+from railvib.line_integrals import LineIntegrals, line_integral_blocks, line_integrals
+from railvib.moving_roughness import axle_pairs, products, spans
 from railvib.receptance import Receptances, receptance_block
 from railvib.spectra import line_step, lines, spectra
 from railvib.unevenness import Unevenness
@@ -25,9 +26,11 @@ own frequency.
 """
 
 
-def line_products(integrals, axle_position, force):
+def line_products(transfer, axle_position, f, force):
     """Return ∫ u_p* u_q dx over the whole line, of several sets of forces (lines, axles, sets)."""
-    return products(axle_pairs(integrals, axle_position), force)
+    d = spans(axle_position)
+    integral = line_integrals({"here": transfer}, d, f)["here"]
+    return products(axle_pairs(integral, d, axle_position), force)
 
 
 @pytest.fixture(scope="module")
@@ -54,17 +57,32 @@ def standing(functions, track, train):
 def test_no_receiver_depends_on_the_others(functions, train):
     """Computed together or alone, to the last bit: results are kept by receiver, in any company."""
     f = np.array([2.5, 9.0, 21.0])
-    together = line_integrals({each: functions[each] for each in RECEIVERS}, axle_distances(train), f)
+    d = spans(train.axle_positions)
+    together = line_integrals({each: functions[each] for each in RECEIVERS}, d, f)
     for each in RECEIVERS:
-        alone = line_integrals({each: functions[each]}, axle_distances(train), f)[each]
-        np.testing.assert_array_equal(together[each].integral, alone.integral)
+        alone = line_integrals({each: functions[each]}, d, f)[each]
+        np.testing.assert_array_equal(together[each], alone)
+    tabulated = line_integral_blocks({each: functions[each] for each in RECEIVERS}, d, 2, 1e-5)
+    for each in RECEIVERS:
+        alone = line_integral_blocks({each: functions[each]}, d, 2, 1e-5)[each]
+        np.testing.assert_array_equal(tabulated[each].integral, alone.integral)
+
+
+@pytest.mark.parametrize("receiver", RECEIVERS)
+def test_tabulated_line_integrals_are_those_computed_at_the_lines(receiver, functions, train):
+    """Interpolated between the frequencies of a table, at every axle distance; the tolerance is 1e-4."""
+    d, f = spans(train.axle_positions), np.linspace(1.13, 35.4, 301)
+    blocks = [line_integral_blocks({receiver: functions[receiver]}, d, block)[receiver] for block in range(3)]
+    direct = line_integrals({receiver: functions[receiver]}, d, f)[receiver]
+    assert np.all(np.abs(LineIntegrals(blocks).at(f) - direct) < 3e-5 * direct[:, :1])
 
 
 def test_by_axle_equals_all_together(functions, standing, train):
     """Law 1: Eq. 27 with its cross terms is Eq. 23, to rounding."""
     midband = bands.midbands(2.0, 25.0)
-    f = lines(midband, line_step(train.length, SPEED))
-    integrals = line_integrals({each: functions[each] for each in RECEIVERS}, axle_distances(train), f)
+    d = spans(train.axle_positions)
+    tabulated = [line_integral_blocks(functions, d, block) for block in range(3)]
+    integrals = {each: LineIntegrals(blocks[each] for blocks in tabulated) for each in RECEIVERS}
     made = {
         approach: spectra(approach, train, ROUGH, SPEED, midband, standing, functions, integrals)
         for approach in ("moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated")
@@ -79,9 +97,8 @@ def test_by_axle_equals_all_together(functions, standing, train):
 def test_uncorrelated_is_the_mean_over_random_delays(functions, standing, train):
     """Eq. 28 is what Eq. 23 gives on average if each axle's unevenness has a phase of its own."""
     f = np.array([9.0, 21.0])
-    integrals = line_integrals(functions, axle_distances(train), f)[8.0]
     matrices = force_matrices(train, standing, f)
-    expected = np.einsum("fpp->f", line_products(integrals, train.axle_positions, matrices)).real
+    expected = np.einsum("fpp->f", line_products(functions[8.0], train.axle_positions, f, matrices)).real
     rng = np.random.default_rng(4)
     # Random signs make the cross terms vanish on average; Hadamard signs make them vanish exactly.
     signs = np.array([[1.0]])
@@ -89,7 +106,7 @@ def test_uncorrelated_is_the_mean_over_random_delays(functions, standing, train)
         signs = np.block([[signs, signs], [signs, -signs]])
     phase = np.exp(2j * np.pi * rng.random(16))
     force = np.einsum("flp,sp->fls", matrices, signs * phase)
-    mean = np.einsum("fss->f", line_products(integrals, train.axle_positions, force)).real / 16.0
+    mean = np.einsum("fss->f", line_products(functions[8.0], train.axle_positions, f, force)).real / 16.0
     np.testing.assert_allclose(mean, expected, rtol=1e-12)
 
 
@@ -100,9 +117,7 @@ def test_line_integral_is_the_mean_over_positions(receiver, functions, train):
     """
     f = np.array([7.0, 23.0])
     force = np.random.default_rng(5).normal(size=(2, 16, 2)) @ np.array([1.0, 1j])
-    product = line_products(
-        line_integrals(functions, axle_distances(train), f)[receiver], train.axle_positions, force[..., None]
-    )
+    product = line_products(functions[receiver], train.axle_positions, f, force[..., None])
     for row, frequency in enumerate(f):
         step, count = 2.0 * np.pi / 4000.0, 2**16  # 4 km of line
         beta = step * np.arange(-count // 2, count // 2)
@@ -134,10 +149,9 @@ def test_frozen_full_model_is_moving_roughness(receiver, functions, train):
             lambda beta, part=part: part * np.exp(-1j * beta[:, None] * alpha), reach, alpha, tolerance=1e-6
         )
         full += passage_spectra({receiver: functions[receiver]}, excited, train.length, SPEED, f)[receiver]
-    integrals = line_integrals(functions, axle_distances(train), f)[receiver]
     # MR: (1/L) ∫|u|²dx S_w 2π/v with S_w = 1.
     moving = (
-        line_products(integrals, alpha, np.tile(force, (f.size, 1))[..., None])[:, 0, 0].real
+        line_products(functions[receiver], alpha, f, np.tile(force, (f.size, 1))[..., None])[:, 0, 0].real
         / train.length
         * 2.0
         * np.pi
@@ -175,9 +189,7 @@ class TestSlowTrain:
         excited = resolved(amplitude, reach * 2.0 * np.pi / speed, np.array([0.0]))
         full = passage_spectra({receiver: functions[receiver]}, excited, 1.0, speed, f)[receiver]
         force = self.force(standing.at(f)[:, 0], f)[:, None, None]
-        mean = line_products(line_integrals(functions, [0.0], f)[receiver], np.array([0.0]), force)[
-            :, 0, 0
-        ].real
+        mean = line_products(functions[receiver], np.array([0.0]), f, force)[:, 0, 0].real
         return full, mean * ROUGH.psd(2.0 * np.pi * f / speed) * 2.0 * np.pi / speed
 
     @pytest.mark.parametrize("receiver", ["rail", 8.0])
@@ -206,7 +218,7 @@ class TestSlowTrain:
         force = np.einsum("flp,fp->fl", force_matrices(train, standing, f), arrivals(train, f, speed))[
             ..., None
         ]
-        mean = line_products(line_integrals(functions, d, f)[8.0], train.axle_positions, force)[:, 0, 0].real
+        mean = line_products(functions[8.0], train.axle_positions, f, force)[:, 0, 0].real
         rough = mean / train.length * ROUGH.psd(2.0 * np.pi * f / speed) * 2.0 * np.pi / speed
         by_band = bands.band_mean_squares(f, np.array([full, rough]), midband)[:, 0]
         assert abs(10.0 * np.log10(by_band[0] / by_band[1])) < 0.1

@@ -5,9 +5,9 @@ transform.
 import numpy as np
 import pytest
 
-from railvib.forces import axle_distances
 from railvib.ground import Ground, Layer
-from railvib.moving_roughness import axle_pairs, line_integrals, products
+from railvib.line_integrals import line_integrals
+from railvib.moving_roughness import axle_pairs, products, spans
 from railvib.train_average import train_integrals
 from railvib.vehicle import Train
 
@@ -52,11 +52,8 @@ def test_less_than_over_the_line(receiver, functions, vehicle):
     over_train = products(
         train_integrals(functions[receiver], train.axle_positions, FREQUENCY).integral, force
     )
-    over_line = products(
-        axle_pairs(
-            line_integrals(functions, axle_distances(train), FREQUENCY)[receiver], train.axle_positions
-        ),
-        force,
-    )
+    d = spans(train.axle_positions)
+    integral = line_integrals({receiver: functions[receiver]}, d, FREQUENCY)[receiver]
+    over_line = products(axle_pairs(integral, d, train.axle_positions), force)
     assert np.all(over_train[:, 0, 0].real > 0.0)
     assert np.all(over_train[:, 0, 0].real < over_line[:, 0, 0].real)

@@ -1,0 +1,208 @@
+"""Integrals of the squared response along the line: what the moving roughness needs of track and ground.
+
+    M(d, f) = (1/π) ∫₀^∞ |H̃(β, f)|² cos(βd) dβ
+
+at the distances d between axles. It depends on neither speed nor forces, and is smooth in frequency: it is
+tabulated on a block's frequencies, as the transfer function is, and interpolated to the narrow-band lines.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from railvib import blocks, cost
+from railvib.panels import ORDER, fourier_integrals
+from railvib.squared import same_nodes, squared
+from railvib.transfer import Receiver, TransferFunction
+
+_AT_ONCE = 64
+_MOST_LEVELS = 7
+_CHECKS = 5
+_SHARE = 0.1
+"""Of the tolerance, what interpolation between the frequencies may take."""
+_NEGLIGIBLE = 1e-14
+"""Share of ∫ |H̃|² below which a panel is passed over."""
+
+
+@dataclass(frozen=True)
+class LineIntegralBlock:
+    """M(d, f) of one receiver over one block of frequencies."""
+
+    frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency"})
+    distance: np.ndarray = field(
+        metadata={"dims": ("distance",), "unit": "m", "description": "distance between axles"}
+    )
+    integral: np.ndarray = field(
+        metadata={
+            "dims": ("frequency", "distance"),
+            "unit": "m3/N2",
+            "description": "line integral of the squared response",
+        }
+    )
+    block: int
+    """Index of the block, see `railvib.blocks`."""
+    level: int
+    interpolation_error: float
+    """Largest error of interpolation half-way between frequencies, relative to the integral at distance 0."""
+
+
+class LineIntegrals:
+    """M(d, f) of one receiver over all its blocks."""
+
+    def __init__(self, table: Iterable[LineIntegralBlock]) -> None:
+        self.blocks = {each.block: each for each in sorted(table, key=lambda each: each.block)}
+        self.distance = next(iter(self.blocks.values())).distance
+
+    def at(self, frequency: np.ndarray) -> np.ndarray:
+        """Interpolate to frequencies (n,) in Hz inside the blocks; (n, distances), m³/N²."""
+        which = blocks.assigned(frequency, self.blocks)
+        value = np.empty((frequency.size, self.distance.size))
+        for block in np.unique(which):
+            here = which == block
+            table = self.blocks[int(block)]
+            f = frequency[here]
+            value[here] = blocks.interpolated(table.block, table.level, f, table.integral)
+        return value
+
+
+def line_integral_blocks(
+    receivers: Mapping[Receiver, TransferFunction],
+    distances: npt.ArrayLike,
+    block: int,
+    tolerance: float = 1e-4,
+    refinement: int = 1,
+) -> dict[Receiver, LineIntegralBlock]:
+    """Tabulate M(d, f) of some receivers over one block of frequencies.
+
+    Each takes the first level from that of its transfer function on at which interpolation passes a check
+    half-way between the frequencies; none depends on which others were asked for.
+
+    Parameters
+    ----------
+    receivers
+        The receivers' transfer functions, tabulated over the block at least.
+    distances
+        Distances d ≥ 0 between axles, m, ascending from 0.
+    block
+        Index of the block, see `railvib.blocks`.
+    tolerance
+        Error allowed, relative to the integral at distance 0.
+    refinement
+        For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
+    """
+    beyond = int(np.log2(refinement))
+    d = np.asarray(distances, float)
+    own = {
+        each: TransferFunction([function.blocks[block]], function.track)
+        for each, function in receivers.items()
+    }
+    level = {each: function.blocks[block].level for each, function in own.items()}
+    passed: dict[Receiver, int] = {}
+    made: dict[Receiver, LineIntegralBlock] = {}
+    while len(made) < len(own):
+        # All that are at one level together: they share their nodes, and so much of the work.
+        now = min(level[each] for each in own if each not in made)
+        some = {each: own[each] for each in own if each not in made and level[each] == now}
+        halfway = blocks.halfway(block, now, _CHECKS)
+        f, between = blocks.frequency(now, blocks.indices(block, now)), blocks.frequency(now + 1, halfway)
+        found = line_integrals(some, d, np.concatenate([f, between]))
+        for receiver, value in found.items():
+            tabulated, direct = value[: f.size], value[f.size :]
+            interpolated = blocks.interpolated(block, now, between, tabulated)
+            error = float((np.abs(interpolated - direct) / direct[:, :1]).max())
+            if error <= _SHARE * tolerance or now >= _MOST_LEVELS:
+                passed.setdefault(receiver, now)
+            if receiver in passed and now >= passed[receiver] + beyond:
+                made[receiver] = LineIntegralBlock(f, d, np.ascontiguousarray(tabulated), block, now, error)
+            level[receiver] += 1
+    return made
+
+
+def line_integrals(
+    receivers: Mapping[Receiver, TransferFunction], distances: npt.ArrayLike, frequency: npt.ArrayLike
+) -> dict[Receiver, np.ndarray]:
+    """Return M(d, f) of some receivers at some distances and frequencies, computed there.
+
+    Parameters
+    ----------
+    receivers
+        The receivers' tabulated transfer functions.
+    distances
+        Distances d ≥ 0 between axles, m, ascending.
+    frequency
+        Frequencies, Hz, (n,), inside the tables.
+
+    Returns
+    -------
+    dict of ndarray, shape (n, distances)
+        m³/N².
+    """
+    f = np.asarray(frequency, float)
+    d = np.asarray(distances, float)
+    integral = {receiver: np.empty((f.size, d.size)) for receiver in receivers}
+    with cost.stage("line integrals") as spent:
+        for start in range(0, f.size, _AT_ONCE):
+            here = np.arange(start, min(start + _AT_ONCE, f.size))
+            for members, block, own in same_nodes(receivers, f[here]):
+                rows = here[own]
+                value = squared([receivers[each] for each in members], block, f[rows])
+                edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
+                found = _cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), d)
+                for receiver, each in zip(members, found.swapaxes(0, 1), strict=True):
+                    integral[receiver][rows] = each
+                spent.evaluations += value.size
+                spent.kernel_calls += len(members)
+    return {receiver: each / np.pi for receiver, each in integral.items()}
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _cosine_integrals(edge, value, distance):
+    """Return ∫ |H̃|² cos(βd) dβ, (lines, receivers, distances), over all panels with something in them."""
+    receivers, lines, panels, _ = value.shape
+    out = np.zeros((lines, receivers, distance.shape[0]))
+    sine = np.zeros((receivers, distance.shape[0]))
+    kept_value = np.empty((receivers, panels, ORDER))
+    centre = np.empty(panels)
+    half = np.empty(panels)
+    needed = np.empty((receivers, panels), np.bool_)
+    for i in range(lines):
+        for q in range(receivers):
+            _mark_panels(edge[i], value[q, i], needed[q])
+        kept = 0
+        for p in range(panels):
+            wanted = False
+            for q in range(receivers):
+                wanted |= needed[q, p]
+            if not wanted:
+                continue
+            half[kept] = 0.5 * (edge[i, p + 1] - edge[i, p])
+            centre[kept] = 0.5 * (edge[i, p + 1] + edge[i, p])
+            for q in range(receivers):
+                # Nothing where another receiver alone needs the panel: none depends on the others.
+                for j in range(ORDER):
+                    kept_value[q, kept, j] = value[q, i, p, j] if needed[q, p] else 0.0
+            kept += 1
+        fourier_integrals(centre[:kept], half[:kept], kept_value, distance, out[i], sine)
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mark_panels(edge, value, needed):
+    """Mark the panels with more than a negligible share of one receiver's ∫ |H̃|² dβ."""
+    total = 0.0
+    for p in range(needed.shape[0]):
+        total += _most(edge, value, p)
+    for p in range(needed.shape[0]):
+        needed[p] = _most(edge, value, p) > _NEGLIGIBLE * total
+
+
+@numba.njit(forceinline=True, error_model="numpy")
+def _most(edge, value, p):
+    """Return an upper bound of ∫ |H̃|² dβ over a panel."""
+    most = 0.0
+    for j in range(ORDER):
+        most = max(most, value[p, j])
+    return most * (edge[p + 1] - edge[p])
