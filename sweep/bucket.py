@@ -13,7 +13,7 @@ from obstore.exceptions import AlreadyExistsError, BaseError
 from obstore.store import S3Store
 
 from railvib.errors import InputError
-from sweep.location import S3
+from sweep.location import NONE, S3, Wanted
 
 if TYPE_CHECKING:
     from obstore.store import RetryConfig
@@ -71,12 +71,13 @@ class Bucket:
         with ThreadPoolExecutor(CONNECTIONS) as pool:
             yield from pool.map(self.read, keys)
 
-    def read_group(self, prefix: str) -> Mapping[str, bytes | bytearray]:
-        """Return all objects below a prefix."""
+    def read_group(self, prefix: str, wanted: Wanted | None = None) -> Mapping[str, bytes | bytearray]:
+        """Return all objects below a prefix, or those that are wanted."""
         pages = obstore.list(self._store, prefix)
-        keys = [meta["path"] for page in pages for meta in page]
-        contents = zip(keys, self.read_many(keys), strict=True)
-        return {key.removeprefix(f"{prefix}/"): content for key, content in contents if content is not None}
+        found = [meta["path"].removeprefix(f"{prefix}/") for page in pages for meta in page]
+        keys = list(filter(wanted, found))
+        contents = zip(keys, self.read_many(f"{prefix}/{key}" for key in keys), strict=True)
+        return {key: content for key, content in contents if content is not None}
 
     def names(self, prefix: str) -> list[str]:
         """Return the last parts of keys and of common prefixes."""
@@ -99,10 +100,13 @@ class Bucket:
             self.create(key, content)
             self._ensured.add(key)
 
-    def put(self, prefix: str, objects: Mapping[str, bytes | memoryview]) -> None:
+    def put(
+        self, prefix: str, objects: Mapping[str, bytes | memoryview], same: Mapping[str, str] = NONE
+    ) -> int:
         """Put all objects: whoever else does so puts the same bytes, for the prefix names them."""
         with ThreadPoolExecutor(CONNECTIONS) as pool:
             list(pool.map(lambda key: self._put(f"{prefix}/{key}", objects[key]), objects))
+        return sum(map(len, objects.values()))
 
     def _put(self, key: str, content: bytes | memoryview) -> None:
         obstore.put(self._store, key, bytes(content))

@@ -11,10 +11,11 @@ import re
 import shutil
 import time
 import uuid
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol
 
 from railvib.errors import InputError
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 S3 = "s3://"
 ABANDONED_S = 24 * 3600.0
 """Age at which what a writer has left aside is taken for abandoned, where others may be at work."""
+NONE: Mapping[str, str] = MappingProxyType({})
+Wanted = Callable[[str], bool]
 
 
 class Location(Protocol):
@@ -38,8 +41,8 @@ class Location(Protocol):
     def read_many(self, keys: Iterable[str]) -> Iterator[bytes | None]:
         """Yield the contents at some keys, in their order."""
 
-    def read_group(self, prefix: str) -> Mapping[str, bytes | bytearray]:
-        """Return everything below a prefix, by the rest of the key."""
+    def read_group(self, prefix: str, wanted: Wanted | None = None) -> Mapping[str, bytes | bytearray]:
+        """Return everything below a prefix by the rest of the key, or what is wanted of it."""
 
     def names(self, prefix: str) -> list[str]:
         """Return the names of what lies right below a prefix, folders without their slash; unsorted."""
@@ -50,8 +53,14 @@ class Location(Protocol):
     def ensure(self, key: str, content: bytes) -> None:
         """See that a key whose content never changes is there."""
 
-    def put(self, prefix: str, objects: Mapping[str, bytes | memoryview]) -> None:
-        """Write a whole group; `prefix` names its content, so that what is there is the same or damaged."""
+    def put(
+        self, prefix: str, objects: Mapping[str, bytes | memoryview], same: Mapping[str, str] = NONE
+    ) -> int:
+        """Write a whole group; `prefix` names its content, so that what is there is the same or damaged.
+
+        `same` holds keys of this location at which objects of the group may have been put before. Returns
+        the bytes that were written.
+        """
 
     def remove(self, key: str) -> None:
         """Remove what is at a key, if anything is."""
@@ -121,11 +130,11 @@ class Folder:
         """Yield the contents of files."""
         return (self.read(key) for key in keys)
 
-    def read_group(self, prefix: str) -> Mapping[str, bytes | bytearray]:
-        """Return all files below a folder."""
+    def read_group(self, prefix: str, wanted: Wanted | None = None) -> Mapping[str, bytes | bytearray]:
+        """Return all files below a folder, or those that are wanted."""
         place = self._folder + prefix
         contents: dict[str, bytes | bytearray] = {}
-        for key in _keys(place):
+        for key in filter(wanted, _keys(place)):
             with suppress(FileNotFoundError):  # just being replaced: the reader will find that it is missing
                 contents[key] = _read(f"{place}/{key}")
         return contents
@@ -163,16 +172,22 @@ class Folder:
         os.replace(_write_aside(path, content), path)
         _sync_folder(os.path.dirname(path))
 
-    def put(self, prefix: str, objects: Mapping[str, bytes | memoryview]) -> None:
-        """Write a folder aside, and rename it to its place."""
-        partial = f"{self._aside(prefix)}/{uuid.uuid4().hex}"
+    def put(
+        self, prefix: str, objects: Mapping[str, bytes | memoryview], same: Mapping[str, str] = NONE
+    ) -> int:
+        """Write a folder aside, and rename it to its place; what is there already gets another name."""
+        aside = f"{self._aside(prefix)}/{uuid.uuid4().hex}"
         for folder in dict.fromkeys(key.rpartition("/")[0] for key in objects):
-            os.makedirs(f"{partial}/{folder}", exist_ok=True)
+            os.makedirs(f"{aside}/{folder}", exist_ok=True)
+        written = 0
         for key, content in objects.items():
-            _write(f"{partial}/{key}", content)
+            if key not in same or not _linked(self._folder + same[key], f"{aside}/{key}"):
+                _write(f"{aside}/{key}", content)
+                written += len(content)
         place = self._top / prefix
         place.parent.mkdir(parents=True, exist_ok=True)
-        _rename(Path(partial), place)
+        _rename(Path(aside), place)
+        return written
 
     def remove(self, key: str) -> None:
         """Remove a file."""
@@ -199,6 +214,15 @@ class Folder:
 
     def _aside(self, prefix: str) -> Path:
         return self._top / f"{prefix.partition('/')[0]}.partial"
+
+
+def _linked(path: str, name: str) -> bool:
+    """Give a file another name; return whether that could be done: not every file system can."""
+    try:
+        os.link(path, name)
+    except OSError:
+        return False
+    return True
 
 
 def _read(path: str) -> bytearray:

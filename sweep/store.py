@@ -13,7 +13,9 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,41 +51,87 @@ class Written:
     metadata
         The sha256 of the group's attributes and of all that Zarr says of its arrays.
     objects
-        What was written.
+        What it consists of.
+    bytes_written
+        Bytes that it took, without those of arrays that were there.
     """
 
     group: str
     arrays: dict[str, dict[str, Any]]
     metadata: str
     objects: Mapping[str, bytes | memoryview]
+    bytes_written: int
 
-    @property
-    def bytes_written(self) -> int:
-        """Bytes of all objects of the group."""
-        return sum(len(content) for content in self.objects.values())
+
+@dataclasses.dataclass(frozen=True)
+class _Stored:
+    """An array, what became of it, and the key below which it lies."""
+
+    array: NDArray[Any]
+    encoded: zarr_form.Encoded
+    checksum: dict[str, Any]
+    key: str
+
+
+class Writer:
+    """Writes results as groups of the store at `home`.
+
+    An array that several results have in common, the same object in memory, is encoded and stored once: where
+    the file system can, its files are given another name in the groups of the others.
+    """
+
+    def __init__(self, home: records.Home) -> None:
+        self._home = home
+        self._stored: dict[tuple[str, int], _Stored] = {}
+
+    def __call__(self, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
+        """Write `result`, a frozen dataclass of arrays.
+
+        The group is called `name` and a digest of what is in it. So writers whose results differ in the last
+        digit never touch each other's, and a record names the group that it stands for.
+
+        Raises
+        ------
+        ValueError
+            If an array does not have the dimensions that its field declares, or an attribute cannot be
+            stored.
+        """
+        arrays, extra = _split(result)
+        before = {each: self._stored.get((each, id(array))) for each, (array, _) in arrays.items()}
+        encoded: dict[str, zarr_form.Encoded] = {}
+        checksums: dict[str, dict[str, Any]] = {}
+        same: dict[str, str] = {}
+        for each, (array, metadata) in arrays.items():
+            known = before[each]
+            if known is None:
+                encoded[each] = zarr_form.encode_array(each, array, metadata, CHUNK_BYTES)
+                checksums[each] = checksum(array)
+            else:
+                encoded[each], checksums[each] = known.encoded, known.checksum
+                same |= {f"{each}/{key}": f"{known.key}/{key}" for key in known.encoded.objects}
+        objects: dict[str, bytes | memoryview] = {
+            zarr_form.METADATA: zarr_form.encode_group(encoded, {**attributes, **extra}),
+            **{
+                f"{each}/{key}": content for each in encoded for key, content in encoded[each].objects.items()
+            },
+        }
+        said = _metadata(objects)
+        content = json.dumps([checksums, said], sort_keys=True)
+        group = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
+        place = location.at(self._home)
+        for level in reversed(PurePosixPath(STORE, group).parents[:-1]):
+            place.ensure(f"{level}/zarr.json", _EMPTY_GROUP)  # so that the store can be walked from its root
+        written = place.put(f"{STORE}/{group}", objects, same)
+        for each, (array, _) in arrays.items():
+            if before[each] is None:
+                key = f"{STORE}/{group}/{each}"
+                self._stored[each, id(array)] = _Stored(array, encoded[each], checksums[each], key)
+        return Written(group, checksums, said, objects, written)
 
 
 def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
-    """Write `result`, a frozen dataclass of arrays, as a group of the store at `home`.
-
-    The group is called `name` and a digest of what is in it. So writers whose results differ in the last
-    digit never touch each other's, and a record names the group that it stands for.
-
-    Raises
-    ------
-    ValueError
-        If an array does not have the dimensions that its field declares, or an attribute cannot be stored.
-    """
-    arrays, extra = _split(result)
-    objects = zarr_form.encode(arrays, {**attributes, **extra}, CHUNK_BYTES)
-    checksums, metadata = {name: checksum(array) for name, (array, _) in arrays.items()}, _metadata(objects)
-    content = json.dumps([checksums, metadata], sort_keys=True)
-    group = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
-    place = location.at(home)
-    for level in reversed(PurePosixPath(STORE, group).parents[:-1]):
-        place.ensure(f"{level}/zarr.json", _EMPTY_GROUP)  # so that the store can be walked from its root
-    place.put(f"{STORE}/{group}", objects)
-    return Written(group, checksums, metadata, objects)
+    """Write one result as `Writer` does."""
+    return Writer(home)(name, result, attributes)
 
 
 def read(
@@ -100,12 +148,38 @@ def read(
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    return _result(kind, *_load(home, group, arrays, metadata))
+    known = _known(arrays or {})
+    found, attributes = _load(home, group, arrays, metadata, known)
+    if arrays is not None:
+        _remember(found, arrays)
+    return _result(kind, found, attributes)
 
 
 def restored(written: Written, kind: type[Result]) -> Result:
     """Return what was written as `read` does, from the same bytes, which are in memory still."""
-    return _result(kind, *zarr_form.decode(written.objects))
+    found, attributes = zarr_form.decode(written.objects, _known(written.arrays))
+    _remember(found, written.arrays)
+    return _result(kind, found, attributes)
+
+
+_in_memory: "WeakValueDictionary[str, NDArray[Any]]" = WeakValueDictionary()
+"""Arrays that somebody holds, as they were read, by their checksums: tables have many in common."""
+
+
+def _known(arrays: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
+    """Return those of the arrays of a record that are in memory."""
+    held = {name: _in_memory.get(_sum(said)) for name, said in arrays.items()}
+    return {name: array for name, array in held.items() if array is not None}
+
+
+def _remember(found: Mapping[str, NDArray[Any]], arrays: Mapping[str, Mapping[str, Any]]) -> None:
+    for name, array in found.items():
+        _in_memory[_sum(arrays[name])] = array
+
+
+def _sum(said: Mapping[str, Any]) -> str:
+    """Return the checksum of a record's array with its form as one text."""
+    return f"{said['sha256']} {said['dtype']} {said['shape']}"
 
 
 def _result(kind: type[Result], found: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]) -> Result:
@@ -214,17 +288,27 @@ def _load(
     group: str,
     expected: Mapping[str, Mapping[str, Any]] | None = None,
     metadata: str | None = None,
+    known: Mapping[str, NDArray[Any]] = MappingProxyType({}),
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Read a whole group through memory, and compare it with the checksums that its record expects."""
-    objects = location.at(home).read_group(f"{STORE}/{group}")
+    """Read a group through memory, and compare it with the checksums that its record expects.
+
+    Arrays that are known need not be read, as they were compared when they were.
+    """
+
+    def wanted(key: str) -> bool:
+        return key.partition("/")[0] not in known or key.rpartition("/")[2] == zarr_form.METADATA
+
+    objects = location.at(home).read_group(f"{STORE}/{group}", wanted)
     if metadata is not None and _metadata(objects) != metadata:
         raise DamagedError(f"{group}: is missing, or its metadata are not those recorded")
     try:
-        found, attributes = zarr_form.decode(objects)
+        found, attributes = zarr_form.decode(objects, known)
     except (ValueError, KeyError, TypeError) as error:
         raise DamagedError(f"{group}: {type(error).__name__}: {error}") from error
     if expected is not None:
         for name in expected.keys() | found.keys():
+            if name in known and name in found:
+                continue
             if name not in found or name not in expected or checksum(found[name]) != dict(expected[name]):
                 raise DamagedError(f"{group}: the array {name} is not the one recorded")
     return found, attributes
@@ -234,7 +318,7 @@ def _metadata(objects: Mapping[str, bytes | bytearray | memoryview]) -> str:
     """Return the sha256 over the objects of a group that are no chunks, in order of their keys."""
     digest = hashlib.sha256()
     for key in sorted(objects):
-        if key.rpartition("/")[2] == "zarr.json":
+        if key.rpartition("/")[2] == zarr_form.METADATA:
             digest.update(key.encode() + b"\0")
             digest.update(objects[key])
     return digest.hexdigest()

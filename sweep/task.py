@@ -13,12 +13,14 @@ import socket
 import time
 import traceback
 import warnings
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
+
+import numpy as np
 
 import railvib
 from railvib import cost
@@ -103,33 +105,42 @@ class WithdrawnError(Exception):
 
 
 class Cache:
-    """The results used last, up to a number of bytes."""
+    """The results used last, up to a number of bytes; an array that some have in common counts once."""
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
         self._held = 0
-        self._results: OrderedDict[tuple[str, str], tuple[Any, int]] = OrderedDict()
+        self._results: OrderedDict[tuple[str, str], Any] = OrderedDict()
+        self._holders: Counter[int] = Counter()
 
     def get(self, key: tuple[str, str]) -> Any:
         """Return a result, or None where it is not held."""
         if key not in self._results:
             return None
         self._results.move_to_end(key)
-        return self._results[key][0]
+        return self._results[key]
 
-    def put(self, key: tuple[str, str], result: Any, size: int) -> None:
+    def put(self, key: tuple[str, str], result: Any) -> None:
         """Hold a result, and let go of those not used for longest."""
-        if key in self._results or size > self._limit:
+        if key in self._results:
             return
-        self._results[key] = (result, size)
-        self._held += size
+        self._results[key] = result
+        for array in _arrays(result):
+            if self._holders[id(array)] == 0:
+                self._held += array.nbytes
+            self._holders[id(array)] += 1
         while self._held > self._limit:
-            _, (_, freed) = self._results.popitem(last=False)
-            self._held -= freed
+            _, dropped = self._results.popitem(last=False)
+            for array in _arrays(dropped):
+                self._holders[id(array)] -= 1
+                if self._holders[id(array)] == 0:
+                    del self._holders[id(array)]
+                    self._held -= array.nbytes
 
     def clear(self) -> None:
         """Let go of all."""
         self._results.clear()
+        self._holders.clear()
         self._held = 0
 
 
@@ -219,10 +230,12 @@ def _record(
 ) -> Iterator[tuple[bool, int, list[str]]]:
     """Store and commit a batch; yield what `_compute` does."""
     stored = []
+    writers: dict[str, store.Writer] = {}
     for unit, result in batch.items():
         shares = _share(unit, batch, costs, kinds)
         home = place.home(unit, kinds[unit.kind])
-        record, written = _store(unit, result, shares, cautions, place, home, started)
+        writer = writers.setdefault(home, store.Writer(home))
+        record, written = _store(unit, result, shares, cautions, place, writer, started)
         stored.append((unit, home, record, written))
     # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
     # computed again as a whole.
@@ -276,7 +289,7 @@ class Reader:
 
 def _hold(unit: Unit, place: Place, result: Any) -> None:
     """Keep a result in the form in which it is read, so that who computed it makes no difference."""
-    _cache.put((place.directory, unit.id), result, _bytes(result))
+    _cache.put((place.directory, unit.id), result)
 
 
 def _store(
@@ -285,13 +298,12 @@ def _store(
     costs: list[dict[str, Any]],
     cautions: list[str],
     place: Place,
-    home: str,
+    writer: store.Writer,
     started: str,
 ) -> tuple[dict[str, Any], store.Written]:
     """Store a result; return its record and what was written."""
     cpu, wall = time.process_time(), time.perf_counter()
-    written = store.write(
-        home,
+    written = writer(
         f"{unit.kind}/{unit.id}",
         result,
         {"kind": unit.kind, "unit_id": unit.id, "model_version": railvib.MODEL_VERSION},
@@ -384,9 +396,10 @@ def _share(
     return shares
 
 
-def _bytes(result: Any) -> int:
-    """Return the bytes of all arrays of a result."""
-    return sum(getattr(getattr(result, field.name), "nbytes", 0) for field in dataclasses.fields(result))
+def _arrays(result: Any) -> list[np.ndarray]:
+    """Return the arrays of a result."""
+    values = (getattr(result, field.name) for field in dataclasses.fields(result))
+    return [value for value in values if isinstance(value, np.ndarray)]
 
 
 def _now() -> str:

@@ -11,6 +11,7 @@ this form to.
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from math import ceil, prod
 from typing import Any
 
@@ -24,61 +25,78 @@ _CRC_BYTES = 4
 _SEPARATOR = "."
 """In the keys of chunks. A slash, the format's default, makes two more folders of each array."""
 
-Arrays = Mapping[str, tuple[NDArray[Any], Mapping[str, Any]]]
-"""Arrays by name, each with its metadata: `dims`, and `unit` and `description` if it has them."""
+METADATA = "zarr.json"
+"""Key of what is said of a group or of an array, below its own."""
 
 
-def encode(arrays: Arrays, attributes: Mapping[str, Any], chunk_bytes: int) -> dict[str, bytes | memoryview]:
-    """Return the objects of a group by key.
+@dataclass(frozen=True)
+class Encoded:
+    """An array in the form of the store: what is said of it, and its objects by their keys below its own."""
+
+    said: Mapping[str, Any]
+    objects: Mapping[str, bytes | memoryview]
+
+
+def encode_array(name: str, array: NDArray[Any], metadata: Mapping[str, Any], chunk_bytes: int) -> Encoded:
+    """Return the objects of an array.
 
     Parameters
     ----------
-    arrays
-        The arrays with their metadata.
-    attributes
-        Of the group, as JSON can hold them.
+    metadata
+        `dims`, and `unit` and `description` if it has them.
     chunk_bytes
-        Size from which an array is cut along its first dimension.
+        Size from which the array is cut along its first dimension.
+    """
+    said = _array_metadata(name, array, metadata, chunk_bytes)
+    objects: dict[str, bytes | memoryview] = {METADATA: _json(said)}
+    shape = said["chunk_grid"]["configuration"]["chunk_shape"]
+    for number, key in enumerate(_keys(array.shape, shape, _SEPARATOR)):
+        rows = array[number * shape[0] : (number + 1) * shape[0]] if shape else array
+        objects[key] = _chunk(rows, shape)
+    return Encoded(said, objects)
+
+
+def encode_group(arrays: Mapping[str, Encoded], attributes: Mapping[str, Any]) -> bytes:
+    """Return the metadata of a group of arrays, with attributes that JSON can hold.
 
     Raises
     ------
     TypeError, ValueError
         If an attribute cannot be stored.
     """
-    said = {name: _array_metadata(name, *each, chunk_bytes) for name, each in arrays.items()}
-    objects: dict[str, bytes | memoryview] = {
-        "zarr.json": _json(
-            {
-                "zarr_format": 3,
-                "node_type": "group",
-                "attributes": dict(attributes),
-                # An extension of the format, for which xarray looks.
-                "consolidated_metadata": {"kind": "inline", "must_understand": False, "metadata": said},
-            }
-        )
-    }
-    for name, (array, _) in arrays.items():
-        objects[f"{name}/zarr.json"] = _json(said[name])
-        shape = said[name]["chunk_grid"]["configuration"]["chunk_shape"]
-        for number, key in enumerate(_keys(array.shape, shape, _SEPARATOR)):
-            rows = array[number * shape[0] : (number + 1) * shape[0]] if shape else array
-            objects[f"{name}/{key}"] = _chunk(rows, shape)
-    return objects
+    said = {name: array.said for name, array in arrays.items()}
+    return _json(
+        {
+            "zarr_format": 3,
+            "node_type": "group",
+            "attributes": dict(attributes),
+            # An extension of the format, for which xarray looks.
+            "consolidated_metadata": {"kind": "inline", "must_understand": False, "metadata": said},
+        }
+    )
 
 
 def decode(
-    objects: Mapping[str, bytes | bytearray | memoryview],
+    objects: Mapping[str, bytes | bytearray | memoryview], known: Mapping[str, NDArray[Any]]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Return the arrays and the attributes of a group from its objects.
+
+    Parameters
+    ----------
+    objects
+        Of the group, by key.
+    known
+        Arrays that are at hand; their chunks are not needed.
 
     Raises
     ------
     ValueError, KeyError, TypeError
-        If an object is missing, torn, or not in the form that `encode` gives it.
+        If an object is missing, torn, or not in the form that it is encoded in here.
     """
-    group = json.loads(bytes(objects["zarr.json"]))
-    names = [key.removesuffix("/zarr.json") for key in objects if key.endswith("/zarr.json")]
-    return {name: _array(name, objects) for name in names}, group["attributes"]
+    group = json.loads(bytes(objects[METADATA]))
+    names = [key.removesuffix(f"/{METADATA}") for key in objects if key.endswith(f"/{METADATA}")]
+    arrays = {name: known[name] if name in known else _array(name, objects) for name in names}
+    return arrays, group["attributes"]
 
 
 def _array_metadata(
@@ -140,7 +158,7 @@ def _chunk(rows: NDArray[Any], shape: Sequence[int]) -> memoryview:
 
 def _array(name: str, objects: Mapping[str, bytes | bytearray | memoryview]) -> NDArray[Any]:
     """Return one array from its chunks."""
-    said = json.loads(bytes(objects[f"{name}/zarr.json"]))
+    said = json.loads(bytes(objects[f"{name}/{METADATA}"]))
     if said["codecs"] != _CODECS:
         raise ValueError(f"{name}: is encoded in another way")
     shape, dtype = tuple(said["shape"]), np.dtype(said["data_type"]).newbyteorder("<")

@@ -1,6 +1,7 @@
 import dataclasses
 import math
 import multiprocessing
+import os
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -216,6 +217,67 @@ def test_another_result_for_the_same_unit_leaves_the_first_one_alone(tmp_path, s
     second = write(tmp_path, dataclasses.replace(spectrum, transfer=spectrum.transfer + 1.0))
     assert first.group != second.group
     assert_equal(read(tmp_path, first), spectrum)
+
+
+@pytest.mark.parametrize("linking", [True, False])
+def test_what_results_have_in_common_is_stored_once(tmp_path, spectrum, monkeypatch, linking):
+    """Each group is whole for any reader, also where a file system gives files no second name."""
+    if not linking:
+        link = os.link
+
+        def of_records_alone(there, name):
+            if "zarr.partial" in name:
+                raise OSError
+            link(there, name)
+
+        monkeypatch.setattr(os, "link", of_records_alone)
+    writer = store.Writer(tmp_path)
+    other = dataclasses.replace(spectrum, transfer=2.0 * spectrum.transfer)
+    first, second = (writer(f"spectrum/{n}", made, {}) for n, made in enumerate((spectrum, other)))
+    assert second.arrays["frequency"] == first.arrays["frequency"]
+    files = [tmp_path / store.STORE / each.group / "frequency" / "c.0" for each in (first, second)]
+    assert files[0].samefile(files[1]) is linking
+    assert (second.bytes_written < first.bytes_written) is linking
+    assert not os.path.samefile(*(path.parents[1] / "transfer" / "c.0.0" for path in files))
+    for written, made in ((first, spectrum), (second, other)):
+        alone = store.write(tmp_path / "alone", written.group.rpartition("-")[0], made, {})
+        assert (alone.group, alone.arrays, alone.metadata) == (
+            written.group,
+            written.arrays,
+            written.metadata,
+        )
+        assert_equal(read(tmp_path, written), made)
+        with xarray.open_zarr(tmp_path / store.STORE / written.group) as dataset:
+            np.testing.assert_array_equal(dataset.transfer.values, made.transfer)
+            assert dataset.transfer.dims == ("frequency", "node")
+
+
+def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path, spectrum):
+    writer = store.Writer(tmp_path)
+    other = dataclasses.replace(spectrum, transfer=2.0 * spectrum.transfer)
+    first, second = (writer(f"spectrum/{n}", made, {}) for n, made in enumerate((spectrum, other)))
+    path = tmp_path / store.STORE / first.group / "frequency" / "c.0"
+    path.write_bytes(path.read_bytes()[:-8])
+    for written in (first, second):
+        with pytest.raises(store.DamagedError):
+            read(tmp_path, written)
+    store.write(tmp_path, "spectrum/0", spectrum, {})
+    assert_equal(read(tmp_path, first), spectrum)
+    store.write(tmp_path, "spectrum/1", other, {})
+    assert_equal(read(tmp_path, second), other)
+
+
+def test_an_array_in_memory_is_not_read_again(tmp_path, spectrum):
+    """What several results have in common is held once; who asks for all to be compared gets it read."""
+    written = write(tmp_path, spectrum)
+    found = read(tmp_path, written)
+    (tmp_path / store.STORE / written.group / "transfer" / "c.0.0").unlink()
+    assert read(tmp_path, written).transfer is found.transfer
+    with pytest.raises(store.DamagedError, match="transfer"):
+        store.check(tmp_path, {"group": written.group, "arrays": written.arrays})
+    del found
+    with pytest.raises(store.DamagedError, match="transfer"):
+        read(tmp_path, written)
 
 
 def test_the_same_result_again_changes_no_file(tmp_path, spectrum):
