@@ -2,34 +2,24 @@
 
     σ_R(d, ω; v) = (1/2π) ∫ H̃_R(β, ω − βv) e^{iβd} dβ
 
-in the frame that moves with the load, d ahead of it. The integrand is tabulated (`railvib.transfer`); the
-integral runs over panels between the slownesses at which waves travel, Doppler-shifted, with the place where
-ω − βv changes sign (and with it the damping) as a panel's edge. Beyond the tables the rail on its pads
-carries the load alone, and the panels go on in powers of two until nothing is left.
+in the frame that moves with the load, d ahead of it. The integrand is tabulated (`railvib.transfer`), and
+integrated by `railvib.rail_integrals`; the receptances are tabulated in turn, over frequency.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from railvib import blocks, cost
-from railvib.panels import ORDER, fourier_integrals, nodes_between, unresolved
+from railvib.rail_integrals import rail_integrals
 from railvib.tabulation import largest_wavenumber
-from railvib.track import Track, track_response
+from railvib.track import Track
 from railvib.transfer import TransferFunction
 
-_TAIL_PANELS = 10
-_MOST_HALVINGS = 12
 _MOST_LEVELS = 6
 _CHECKS = 5
-_EDGES_TAKEN = 3
-_RESOLVED = 1e-2
-"""Last Legendre coefficients of a panel times its width, over tolerance times peak: the error left is below
-1e-2 of the tolerance.
-"""
 
 
 @dataclass(frozen=True)
@@ -182,130 +172,8 @@ def receptances(
     d = np.atleast_1d(np.asarray(distances, float))
     away = np.unique(np.abs(d))
     with cost.stage("receptances") as spent:
-        panels = _standing_panels(rail, f) if speed == 0.0 else _moving_panels(rail, f, speed, tolerance)
-        largest = np.full(f.size, rail.reach)
-        np.maximum.at(largest, panels[0], panels[2])
-        tail = _tail_panels(track, f, speed, largest)
-        owner, low, high, value = (np.concatenate(each) for each in zip(panels, tail, strict=True))
-        order = np.argsort(owner, kind="stable")
-        first = np.searchsorted(owner[order], np.arange(f.size + 1))
-        parts = np.stack([value.real, value.imag])[:, order]
-        cosine, sine = _per_frequency(
-            first, 0.5 * (low + high)[order], 0.5 * (high - low)[order], parts, away
-        )
-        spent.evaluations += value.size
+        even, odd, number = rail_integrals(rail, track, speed, f, away, tolerance)
+        spent.evaluations += number
         spent.kernel_calls += 1
     column = np.searchsorted(away, np.abs(d))
-    even = (cosine[:, 0] + 1j * cosine[:, 1])[:, column]
-    odd = (sine[:, 0] + 1j * sine[:, 1])[:, column] * np.sign(d) if speed != 0.0 else 0.0
-    return np.asarray((even + 1j * odd) / (2.0 * np.pi))
-
-
-Panels = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-"""Row of a panel's frequency, its lower and upper edge in rad/m, the response at its nodes."""
-
-
-def _standing_panels(rail: TransferFunction, frequency: np.ndarray) -> Panels:
-    """Return the tables' own panels; the response is even in β, so those over β > 0 count twice."""
-    parts = []
-    which = blocks.assigned(frequency, rail.blocks)
-    for block in np.unique(which):
-        rows = np.flatnonzero(which == block)
-        table = rail.blocks[int(block)]
-        f = np.maximum(frequency[rows], rail.lowest)
-        edge = table.nodes.panel_edges(f)
-        _beta, transfer = rail.at(int(block), f)
-        value = 2.0 * transfer.reshape(rows.size, -1, ORDER)
-        owner = np.repeat(rows, edge.shape[1] - 1)
-        parts.append((owner, edge[:, :-1].ravel(), edge[:, 1:].ravel(), value.reshape(-1, ORDER)))
-    owner, low, high, value = (np.concatenate(each) for each in zip(*parts, strict=True))
-    return owner, low, high, value
-
-
-def _moving_panels(rail: TransferFunction, frequency: np.ndarray, speed: float, tolerance: float) -> Panels:
-    """Return panels over all β up to the largest, halved until the response is resolved.
-
-    They begin with every third edge of the table, whose panels resolve the ground at some distance as well.
-    """
-    largest = rail.reach
-    edges = []
-    which = blocks.assigned(frequency, rail.blocks)
-    for f, block in zip(frequency, which, strict=True):
-        table = rail.blocks[int(block)]
-        slowness = table.edge[(table.edge > 0.0) & (table.edge <= 1.0)] * table.top_slowness
-        edge = np.sort(_edges(slowness[::-_EDGES_TAKEN], 2.0 * np.pi * f, speed, largest))
-        edge = edge[np.abs(edge) <= largest]
-        edges.append(edge[np.diff(edge, prepend=-np.inf) > 1e-9 * largest])
-    owner = np.repeat(np.arange(frequency.size), [each.size - 1 for each in edges])
-    low = np.concatenate([each[:-1] for each in edges])
-    high = np.concatenate([each[1:] for each in edges])
-    peak = np.zeros(frequency.size)
-    parts: list[Panels] = []
-    for halving in range(_MOST_HALVINGS + 1):
-        beta = nodes_between(np.stack([low, high], axis=1))
-        seen = 2.0 * np.pi * frequency[owner][:, None] - beta * speed
-        value = rail.response(beta.ravel(), seen.ravel()).reshape(beta.shape)
-        np.maximum.at(peak, owner, np.abs(value).max(axis=1))
-        bad = unresolved(value)[:, 0] * (high - low) > _RESOLVED * tolerance * peak[owner]
-        bad &= halving < _MOST_HALVINGS
-        parts.append((owner[~bad], low[~bad], high[~bad], value[~bad]))
-        if not bad.any():
-            break
-        middle = 0.5 * (low + high)[bad]
-        owner = np.concatenate([owner[bad], owner[bad]])
-        low, high = np.concatenate([low[bad], middle]), np.concatenate([middle, high[bad]])
-    return tuple(np.concatenate(each) for each in zip(*parts, strict=True))  # type: ignore[return-value]
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _edges(slowness, omega, speed, largest):
-    """Return edges in no order: the tables' slownesses as a moving load sees them, and powers of two."""
-    reach = 1e-2
-    for each in slowness:
-        reach = max(reach, omega * each)
-    octaves = max(int(np.log2(largest / reach)), 1) if reach < largest else 0
-    turn = omega / speed
-    edge = np.empty(2 * slowness.size + 4 * (octaves + 1) + 4)
-    # One by one: Numba takes seconds to compile assignments to slices.
-    edge[0], edge[1], edge[2], edge[3] = -largest, 0.0, largest, turn
-    n = 4
-    for each in slowness:
-        edge[n] = omega * each / (1.0 + each * speed)
-        n += 1
-        ahead = 1.0 - each * speed
-        if abs(ahead) > 1e-9:
-            edge[n] = -omega * each / ahead
-            n += 1
-    for octave in range(octaves + 1):
-        far = reach * (largest / reach) ** (octave / octaves) if octaves > 0 else largest
-        edge[n], edge[n + 1], edge[n + 2], edge[n + 3] = far, -far, turn + far, turn - far
-        n += 4
-    return edge[:n]
-
-
-def _tail_panels(track: Track, frequency: np.ndarray, speed: float, largest: np.ndarray) -> Panels:
-    """Return panels beyond the largest tabulated wavenumbers, on both sides; the ground no longer yields."""
-    owner, low, high = [], [], []
-    for row, f in enumerate(frequency):
-        ends = largest[row] * 2.0 ** np.arange(_TAIL_PANELS + 1)
-        turn = 2.0 * np.pi * f / speed if speed > 0.0 else 0.0
-        if ends[0] < turn < ends[-1]:
-            ends = np.sort(np.append(ends, turn))
-        low.append(np.concatenate([-ends[:0:-1], ends[:-1]]))
-        high.append(np.concatenate([-ends[-2::-1], ends[1:]]))
-        owner.append(np.full(low[-1].size, row))
-    rows, lows, highs = np.concatenate(owner), np.concatenate(low), np.concatenate(high)
-    beta = nodes_between(np.stack([lows, highs], axis=1))
-    value, _force = track_response(track, beta, 2.0 * np.pi * frequency[rows][:, None] - beta * speed, 0.0)
-    return rows, lows, highs, value
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _per_frequency(first, centre, half, value, distance):
-    """Return the cosine and sine integrals of every frequency's panels, (frequencies, 2, distances) each."""
-    cosine = np.zeros((first.shape[0] - 1, 2, distance.shape[0]))
-    sine = np.zeros((first.shape[0] - 1, 2, distance.shape[0]))
-    for i in range(first.shape[0] - 1):
-        own = slice(first[i], first[i + 1])
-        fourier_integrals(centre[own], half[own], value[:, own], distance, cosine[i], sine[i])
-    return cosine, sine
+    return np.asarray((even[:, column] + 1j * odd[:, column] * np.sign(d)) / (2.0 * np.pi))

@@ -1,107 +1,237 @@
-"""Interpolation in a table of transfer functions at scattered pairs of frequency and wavenumber.
+"""Interpolation in tables of transfer functions at scattered pairs of frequency and wavenumber.
 
-Lagrange in ln f, polynomial in a panel of wavenumbers. Points are taken some at a time, so that all that
-leads to their weights runs in vector registers; then every point is a short sum over rows of the table.
+Lagrange in ln f, polynomial in a panel of wavenumbers. Points are taken some at a time, whichever blocks they
+lie in, so that all that leads to their weights runs in vector registers; then every point is a short sum over
+rows of its table.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numba
 import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
 
-from railvib.blocks import STENCIL
+from railvib.blocks import HALO, PER_DECADE, SHIFT, STENCIL, STEPS
 from railvib.panels import ORDER, panel_weights, stencil_weights
-from railvib.vector_math import LANES, exp
+from railvib.vector_math import LANES, exp, log
+
+_DECADE = np.log(10.0)
+_WIDTH = 8
+"""Numbers of a vector register, here; the compiler makes of it what the processor has."""
 
 
-class Places(NamedTuple):
-    """Where points lie in a table."""
+class Tables(NamedTuple):
+    """Tables of one function over neighbouring blocks, end to end, as compiled kernels read them."""
 
-    row: np.ndarray
-    """Fractional numbers of rows, (n,)."""
-    dense: np.ndarray
-    """β at u = 1 at the points' frequencies, rad/m, (n,)."""
-    wavenumber: np.ndarray
-    """β, rad/m, (n,), from 0 to `largest`."""
+    value: np.ndarray
+    """Row by row, real and imaginary parts in turn."""
+    first_block: int
+    place: np.ndarray
+    """Per block: where its values and its edges start, number of rows, of numbers in a row, and of edges."""
+    steps: np.ndarray
+    """Frequencies per block."""
     edge: np.ndarray
     """The panels' edges in u."""
+    dense: np.ndarray
+    """Per block β at u = 1 over the frequency, rad/m/Hz, and its logarithm."""
+    largest: np.ndarray
+    """Logarithm of β at u = 2."""
+
+
+class Rows(NamedTuple):
+    """The table of one block: what `Tables` are made of."""
+
+    block: int
+    level: int
+    top_slowness: float
     largest: float
-    """β at u = 2, rad/m."""
-
-    def interpolated(self, table: np.ndarray) -> np.ndarray:
-        """Return what a complex table (frequency, node) gives at the places, (n,)."""
-        rows = np.ascontiguousarray(table, complex).view(float)
-        with np.errstate(divide="ignore"):
-            octaves = np.log(self.wavenumber / self.dense)
-        return np.asarray(
-            _interpolated(
-                self.row,
-                self.dense,
-                np.log(self.largest / self.dense),
-                self.wavenumber,
-                octaves,
-                self.edge,
-                rows,
-            )
-        )
+    edge: np.ndarray
+    value: np.ndarray
+    """Complex (frequency, node)."""
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _interpolated(at, dense, octaves, beta, above, edge, table):
-    """Interpolate in a table of (frequency, real and imaginary parts in turn at the nodes).
+def joined(rows: Sequence[Rows]) -> Tables:
+    """Return tables of neighbouring blocks, ascending, as one."""
+    flat = [np.ascontiguousarray(each.value, complex).view(float).ravel() for each in rows]
+    edges = [each.edge for each in rows]
+    starts = np.cumsum([0] + [each.size for each in flat])
+    edge_starts = np.cumsum([0] + [each.size for each in edges])
+    place = [
+        (starts[i], edge_starts[i], each.value.shape[0], 2 * each.value.shape[1], each.edge.size)
+        for i, each in enumerate(rows)
+    ]
+    dense = 2.0 * np.pi * np.array([each.top_slowness for each in rows])
+    return Tables(
+        flat[0] if len(flat) == 1 else np.concatenate(flat),
+        rows[0].block,
+        np.array(place, np.int64),
+        STEPS * 2.0 ** np.array([each.level for each in rows]),
+        np.concatenate(edges),
+        np.stack([dense, np.log(dense)]),
+        np.log([each.largest for each in rows]),
+    )
 
-    `octaves` and `above` are ln(largest/dense) and ln(β/dense).
-    """
-    out = np.empty(at.shape[0], np.complex128)
-    row = np.empty(LANES, np.int64)
-    panel = np.empty(LANES, np.int64)
-    ends = np.empty((2, LANES))
-    x = np.empty(LANES)
-    stencil = np.empty((STENCIL, LANES))
-    basis = np.empty((ORDER, LANES))
-    room = np.empty(LANES)
-    p = 0
-    for first in range(0, at.shape[0], LANES):
-        count = min(LANES, at.shape[0] - first)
-        for i in range(count):
-            row[i] = min(max(int(np.floor(at[first + i])) - STENCIL // 2 + 1, 0), table.shape[0] - STENCIL)
-            x[i] = at[first + i] - row[i]
-        stencil_weights(count, x, stencil, room)
-        for i in range(count):
-            n = first + i
-            u = beta[n] / dense[n]
-            if u > 1.0:
-                u = min(1.0 + above[n] / octaves[n], 2.0)
-            # Points come in order, more or less: the panel is near that of the point before.
-            while p > 0 and u < edge[p]:
-                p -= 1
-            while p < edge.shape[0] - 2 and u > edge[p + 1]:
-                p += 1
-            panel[i] = p
-            ends[0, i] = edge[p]
-            ends[1, i] = edge[p + 1]
-        for i in range(count):
-            n = first + i
-            low = ends[0, i] if ends[1, i] <= 1.0 else exp((ends[0, i] - 1.0) * octaves[n])
-            high = ends[1, i] if ends[1, i] <= 1.0 else exp((ends[1, i] - 1.0) * octaves[n])
-            x[i] = (2.0 * beta[n] / dense[n] - low - high) / (high - low)
-        panel_weights(count, x, basis, room)
-        for i in range(count):
-            out[first + i] = _value(stencil, basis, i, table, row[i], 2 * ORDER * panel[i])
+
+def interpolated(tables: Tables, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
+    """Return what tables give at frequencies in Hz and wavenumbers in rad/m from 0 to their largest, (n,)."""
+    out = np.empty(frequency.shape, complex)
+    _interpolated(tables, frequency, wavenumber, out)
     return out
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
-def _value(stencil, basis, i, table, row, start):
-    """Return the value at point i; nothing is written meanwhile, so that the sums run in vector registers."""
-    real = 0.0
-    imag = 0.0
-    for j in range(ORDER):
-        a = 0.0
-        b = 0.0
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _interpolated(tables, frequency, wavenumber, out):
+    """Interpolate at any number of points."""
+    room = np.empty((ROOM, LANES))
+    whole = np.empty((2, LANES), np.int64)
+    for first in range(0, frequency.shape[0], LANES):
+        n = min(LANES, frequency.shape[0] - first)
+        for i in range(LANES):
+            own = first + min(i, n - 1)
+            room[0, i] = frequency[own]
+            room[1, i] = wavenumber[own]
+        interpolate(tables, room, whole)
+        for i in range(n):
+            out[first + i] = complex(room[2, i], room[3, i])
+
+
+_STENCIL_AT = 9
+_BASIS_AT = _STENCIL_AT + STENCIL
+ROOM = _BASIS_AT + ORDER
+"""Rows of the room that `interpolate` works in."""
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def interpolate(tables, room, whole):
+    """Interpolate at `LANES` points.
+
+    Parameters
+    ----------
+    tables
+        `Tables`.
+    room
+        (ROOM, LANES): frequencies in Hz and wavenumbers in rad/m first; real and imaginary parts of what was
+        found are written after them.
+    whole
+        Room for integers, (2, LANES).
+    """
+    stencil = room[_STENCIL_AT:_BASIS_AT]
+    basis = room[_BASIS_AT:]
+    for i in range(LANES):
+        room[4, i] = log(room[0, i])
+        room[5, i] = log(max(room[1, i], 1e-200))
+    _find(tables, room, whole)
+    for i in range(LANES):
+        # From u to β at both ends of the panel: proportional up to u = 1, beyond geometric.
+        low = min(room[7, i], 1.0) * exp(max(room[7, i] - 1.0, 0.0) * room[5, i])
+        high = min(room[8, i], 1.0) * exp(max(room[8, i] - 1.0, 0.0) * room[5, i])
+        room[4, i] = (2.0 * room[6, i] - low - high) / (high - low)
+    stencil_weights(LANES, room[3], stencil, room[5])
+    panel_weights(LANES, room[4], basis, room[5])
+    for i in range(LANES):
+        value = _weighted(tables.value, whole[0, i], whole[1, i], room, i)
+        room[2, i] = value.real
+        room[3, i] = value.imag
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _find(tables, room, whole):
+    """Find the rows and the panel of every point.
+
+    `room` holds the logarithms of frequency and wavenumber at 4 and 5, and then at 3 where the point lies
+    among its rows, at 5 the logarithm of the largest β over that at u = 1, at 6 β over that at u = 1, at 7
+    and 8 the panel's edges in u.
+    """
+    p = 0
+    for i in range(LANES):
+        at = (room[4, i] / _DECADE - SHIFT) * PER_DECADE
+        block = min(max(int(np.floor(at + 1e-9)) - tables.first_block, 0), tables.steps.shape[0] - 1)
+        start, edge_start, rows, width, edges = tables.place[block]
+        at = (at - (block + tables.first_block)) * tables.steps[block] + HALO
+        row = min(max(int(np.floor(at)) - STENCIL // 2 + 1, 0), rows - STENCIL)
+        room[3, i] = at - row
+        logarithm = room[4, i] + tables.dense[1, block]
+        octaves = tables.largest[block] - logarithm
+        u = room[1, i] / (room[0, i] * tables.dense[0, block])
+        room[6, i] = u
+        if u > 1.0:
+            u = min(1.0 + (room[5, i] - logarithm) / octaves, 2.0)
+        room[5, i] = octaves
+        # Points come in order, more or less: the panel is near that of the point before.
+        p = min(p, edges - 2)
+        while p > 0 and u < tables.edge[edge_start + p]:
+            p -= 1
+        while p < edges - 2 and u > tables.edge[edge_start + p + 1]:
+            p += 1
+        room[7, i] = tables.edge[edge_start + p]
+        room[8, i] = tables.edge[edge_start + p + 1]
+        whole[0, i] = start + row * width + 2 * ORDER * p
+        whole[1, i] = width
+
+
+@intrinsic
+def _weighted(typingctx, value, start, width, room, i):
+    """Return Σ_m stencil_m Σ_j basis_j value[start + m·width + 2j …], real and imaginary part.
+
+    `room` is that of `interpolate`, whose weights of point `i` are taken. The sums over rows stay in vector
+    registers, which no compiler finds by itself for so many numbers.
+    """
+
+    def codegen(context, builder, signature, args):
+        double, number = ir.DoubleType(), ir.IntType(64)
+        vector = ir.VectorType(double, _WIDTH)
+        pairs = ir.VectorType(double, _WIDTH // 2)
+
+        def data(which):
+            return context.make_array(signature.args[which])(context, builder, args[which]).data
+
+        def index(k):
+            return ir.Constant(ir.IntType(32), k)
+
+        def shuffled(one, other, order):
+            return builder.shuffle_vector(
+                one, other, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order)
+            )
+
+        def weight(row):
+            place = builder.add(ir.Constant(number, row * LANES), args[4])
+            return builder.load(builder.gep(data(3), [place]))
+
+        def multiply_add(one, other, added):
+            product = builder.fmul(one, other, flags=("contract",))
+            return builder.fadd(product, added, flags=("contract",))
+
+        parts = 2 * ORDER // _WIDTH
+        sums = [ir.Constant(vector, [0.0] * _WIDTH)] * parts
+        row = builder.gep(data(0), [args[1]])
         for m in range(STENCIL):
-            a += stencil[m, i] * table[row + m, start + 2 * j]
-            b += stencil[m, i] * table[row + m, start + 2 * j + 1]
-        real += basis[j, i] * a
-        imag += basis[j, i] * b
-    return complex(real, imag)
+            lone = builder.insert_element(
+                ir.Constant(vector, ir.Undefined), weight(_STENCIL_AT + m), index(0)
+            )
+            w = shuffled(lone, lone, [0] * _WIDTH)
+            for c in range(parts):
+                place = builder.gep(row, [ir.Constant(number, _WIDTH * c)])
+                found = builder.load(builder.bitcast(place, vector.as_pointer()), align=8)
+                sums[c] = multiply_add(w, found, sums[c])
+            row = builder.gep(row, [args[2]])
+        total = ir.Constant(vector, [0.0] * _WIDTH)
+        for c in range(parts):
+            own = ir.Constant(pairs, ir.Undefined)
+            for k in range(_WIDTH // 2):
+                own = builder.insert_element(own, weight(_BASIS_AT + _WIDTH // 2 * c + k), index(k))
+            twice = shuffled(own, own, [k // 2 for k in range(_WIDTH)])
+            total = multiply_add(twice, sums[c], total)
+        size = _WIDTH
+        while size > 2:
+            size //= 2
+            halves = (list(range(size)), list(range(size, 2 * size)))
+            total = builder.fadd(*(shuffled(total, total, half) for half in halves))
+        found = context.make_complex(builder, types.complex128)
+        found.real = builder.extract_element(total, index(0))
+        found.imag = builder.extract_element(total, index(1))
+        return found._getvalue()
+
+    return types.complex128(value, types.int64, types.int64, room, types.int64), codegen

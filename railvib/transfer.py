@@ -21,7 +21,7 @@ import numpy as np
 
 from railvib import blocks
 from railvib.panels import nodes_between
-from railvib.scattered import Places
+from railvib.scattered import Rows, Tables, interpolated, joined
 from railvib.track import Track, track_response
 from railvib.vector_math import cos_sin, exp
 
@@ -131,6 +131,10 @@ class TransferBlock:
             self._reduced[track] = value
         return self._reduced[track]
 
+    def rows(self, value: np.ndarray) -> Rows:
+        """Return values at the table's frequencies and nodes for interpolation at scattered points."""
+        return Rows(self.block, self.level, self.top_slowness, self.largest, self.edge, value)
+
     def referred_to(self, slowness: float) -> "TransferBlock":
         """Return the table with another reference wave, and with what has been reduced so far."""
         other = replace(self, reference_slowness=slowness)
@@ -228,6 +232,19 @@ class TransferFunction:
         self.highest = float(blocks.edges(max(self.blocks))[1])
         self.reach = min(each.largest for each in self.blocks.values())
 
+    @cached_property
+    def under_track(self) -> Tables | None:
+        """The ground's compliance under the track over all blocks, where it is known and has a track."""
+        found = [(each, each.compliance) for each in self.blocks.values()]
+        if self.track is None or any(compliance is None for _, compliance in found):
+            return None
+        return joined([each.rows(compliance) for each, compliance in found if compliance is not None])
+
+    @cached_property
+    def direct(self) -> Tables:
+        """The transfer function itself over all blocks, without the reference wave's decay."""
+        return joined([each.rows(each.reduced(None)) for each in self.blocks.values()])
+
     def at(self, block: int, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Interpolate to other frequencies of a block, on its nodes.
 
@@ -301,13 +318,15 @@ class TransferFunction:
             table = self.blocks[int(block)]
             f = frequency[here]
             beta = np.minimum(wavenumber[here], table.largest)
-            dense = 2.0 * np.pi * table.top_slowness * f
-            places = Places(
-                blocks.position(table.block, table.level, f), dense, beta, table.edge, table.largest
-            )
 
-            def between(rows: np.ndarray, level: int, places: Places = places) -> np.ndarray:
-                return places.interpolated(rows)[:, None]
+            def between(
+                rows: np.ndarray,
+                level: int,
+                table: TransferBlock = table,
+                f: np.ndarray = f,
+                beta: np.ndarray = beta,
+            ) -> np.ndarray:
+                return interpolated(joined([table.rows(rows)]), f, beta)[:, None]
 
             found = loaded([self], table.block, f, beta[:, None], between)[0][:, 0]
             value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)

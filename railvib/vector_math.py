@@ -22,6 +22,8 @@ HALF_PI_1 = 1.57079632673412561417
 HALF_PI_2 = 6.07710050630396597660e-11
 HALF_PI_3 = 2.02226624879595063154e-21
 ONE_BITS = 0x3FF0000000000000
+ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
+MAGIC_BITS = 0x4338000000000000
 LANES = 64
 """Values that go through a longer recursion together, so that its innermost loops fill vector registers."""
 
@@ -67,6 +69,29 @@ def exp(x):
     p = p * r + 1.0
     p = p * r + 1.0
     return p * _double((_bits(t) << np.int64(52)) + np.int64(ONE_BITS))
+
+
+@numba.njit(forceinline=True, error_model="numpy")
+def log(x):
+    """Return ln x of a normal x > 0."""
+    bits = _bits(x)
+    # The exponent that leaves a factor between √½ and √2, by the bits of √½; then ln m = 2 artanh s.
+    up = (bits - np.int64(ROOT_HALF_BITS)) >> np.int64(52)
+    m = _double(bits - (up << np.int64(52)))
+    n = _double(up + np.int64(MAGIC_BITS)) - MAGIC
+    s = (m - 1.0) / (m + 1.0)
+    z = s * s
+    p = 1.0 / 21.0
+    p = p * z + 1.0 / 19.0
+    p = p * z + 1.0 / 17.0
+    p = p * z + 1.0 / 15.0
+    p = p * z + 1.0 / 13.0
+    p = p * z + 1.0 / 11.0
+    p = p * z + 1.0 / 9.0
+    p = p * z + 1.0 / 7.0
+    p = p * z + 1.0 / 5.0
+    p = p * z + 1.0 / 3.0
+    return n * LN2_HIGH + (n * LN2_LOW + 2.0 * (s + s * z * p))
 
 
 @numba.njit(forceinline=True, error_model="numpy")

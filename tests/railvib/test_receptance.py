@@ -6,7 +6,9 @@ import pytest
 from railvib import blocks
 from railvib.ground import Ground, Layer
 from railvib.moving_transfer import moving_transfer_block
+from railvib.panels import WEIGHT, nodes_between
 from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
+from railvib.track import track_response
 
 SOFT = Ground(layers=[Layer(shear_speed=150.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.1)])
 DISTANCES = [-19.0, -2.7, 0.0, 2.7, 19.0]
@@ -27,6 +29,31 @@ def test_interpolation(rail, track, speed):
     np.testing.assert_allclose(
         low, np.broadcast_to(table.at(np.array([blocks.edges(-3)[0]])), low.shape), rtol=1e-12
     )
+
+
+@pytest.mark.parametrize(
+    ("speed", "frequency"), [(0.0, 20.0), (3.0, 1.0), (40.0, 0.5), (40.0, 20.0), (40.0, 34.0)]
+)
+def test_against_quadrature(rail, track, speed, frequency):
+    """The same integral by composite quadrature of the tabulated response, fine enough for any panel."""
+    omega = 2.0 * np.pi * frequency
+    bends = [0.0, omega / speed if speed else rail.reach]
+    step = 0.001 * 1.1 ** np.arange(200)
+    edge = np.add.outer(bends, np.concatenate([-step, [0.0], step])).ravel()
+    edge = np.unique(np.concatenate([edge, np.linspace(-rail.reach, rail.reach, 4001)]))
+    edge = edge[np.abs(edge) <= rail.reach]
+    beta = nodes_between(edge)
+    weight = (0.5 * np.diff(edge)[:, None] * WEIGHT).ravel()
+    value = weight * rail.response(beta, omega - beta * speed)
+    direct = np.exp(1j * np.multiply.outer(DISTANCES, beta)) @ value
+    edge = np.linspace(rail.reach, 20.0 * rail.reach, 2001)
+    far, far_weight = nodes_between(edge), (0.5 * np.diff(edge)[:, None] * WEIGHT).ravel()
+    for side in (-1.0, 1.0):
+        tail, _force = track_response(track, far, omega - side * far * speed, 0.0)
+        direct += np.exp(1j * side * np.multiply.outer(DISTANCES, far)) @ (far_weight * tail)
+    direct /= 2.0 * np.pi
+    found = receptances(rail, track, speed, DISTANCES, [frequency])[0]
+    np.testing.assert_allclose(np.abs(found - direct) / np.abs(direct[2]), 0.0, atol=1e-6)
 
 
 def test_columns_are_signed_distances(rail, track):

@@ -1,9 +1,9 @@
-"""The straight-line exponential, sine and cosine against numpy, over the ranges that they state."""
+"""The straight-line exponential, logarithm, sine and cosine against numpy, over their stated ranges."""
 
 import numba
 import numpy as np
 
-from railvib.vector_math import cos_sin, exp
+from railvib.vector_math import cos_sin, exp, log
 
 
 @numba.njit
@@ -26,3 +26,23 @@ def test_within_two_units_in_the_last_place():
     np.testing.assert_allclose(e, np.exp(x), rtol=6e-16)
     np.testing.assert_allclose(c, np.cos(y), rtol=0, atol=3e-16)
     np.testing.assert_allclose(s, np.sin(y), rtol=0, atol=3e-16)
+
+
+@numba.njit
+def _logarithms(x):
+    out = np.empty(x.size)
+    for i in range(x.size):
+        out[i] = log(x[i])
+    return out
+
+
+def test_logarithm():
+    rng = np.random.default_rng(2)
+    x = np.concatenate(
+        [
+            np.exp(rng.uniform(-700.0, 700.0, 20000)),
+            np.exp(rng.normal(size=20000)),
+            2.0 ** np.arange(-1000, 1000),
+        ]
+    )
+    np.testing.assert_allclose(_logarithms(x), np.log(x), rtol=5e-16, atol=0)
