@@ -47,6 +47,17 @@ def frequency(level: int, k: np.ndarray | int) -> np.ndarray:
     return np.asarray(10.0 ** (SHIFT + np.asarray(k) / (PER_DECADE * STEPS * 2**level)))
 
 
+def sections(which: Iterable[int], levels: Iterable[int]) -> dict[int, tuple[int, slice]]:
+    """Return of blocks whose tables follow one another their levels and rows."""
+    found: dict[int, tuple[int, slice]] = {}
+    start = 0
+    for block, level in zip(which, levels, strict=True):
+        end = start + indices(block, level).size
+        found[int(block)] = int(level), slice(start, end)
+        start = end
+    return found
+
+
 def reach(block: int) -> float:
     """Return the highest frequency that a block may tabulate, the widest halo included, Hz."""
     return float(frequency(0, indices(block, 0)[-1]))

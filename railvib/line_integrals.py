@@ -8,6 +8,7 @@ tabulated on a block's frequencies, as the transfer function is, and interpolate
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -28,8 +29,8 @@ _NEGLIGIBLE = 1e-14
 
 
 @dataclass(frozen=True)
-class LineIntegralBlock:
-    """M(d, f) of one receiver over one block of frequencies."""
+class LineIntegrals:
+    """M(d, f) of one receiver, block after block."""
 
     frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency"})
     distance: np.ndarray = field(
@@ -42,89 +43,118 @@ class LineIntegralBlock:
             "description": "line integral of the squared response",
         }
     )
-    block: int
-    """Index of the block, see `railvib.blocks`."""
-    level: int
-    interpolation_error: float
-    """Largest error of interpolation half-way between frequencies, relative to the integral at distance 0."""
-
-
-class LineIntegrals:
-    """M(d, f) of one receiver over all its blocks."""
-
-    def __init__(self, table: Iterable[LineIntegralBlock]) -> None:
-        self.blocks = {each.block: each for each in sorted(table, key=lambda each: each.block)}
-        self.distance = next(iter(self.blocks.values())).distance
+    block: np.ndarray = field(metadata={"dims": ("block",), "unit": "", "description": "index of the block"})
+    level: np.ndarray = field(
+        metadata={"dims": ("block",), "unit": "", "description": "level of the block's frequencies"}
+    )
+    interpolation_error: np.ndarray = field(
+        metadata={
+            "dims": ("block",),
+            "unit": "1",
+            "description": "largest error half-way between frequencies, relative to the integral at 0 m",
+        }
+    )
 
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Interpolate to frequencies (n,) in Hz inside the blocks; (n, distances), m³/N²."""
-        which = blocks.assigned(frequency, self.blocks)
+        which = blocks.assigned(frequency, self.block)
         value = np.empty((frequency.size, self.distance.size))
-        for block in np.unique(which):
+        for block, (level, rows) in blocks.sections(self.block, self.level).items():
             here = which == block
-            table = self.blocks[int(block)]
-            f = frequency[here]
-            value[here] = blocks.interpolated(table.block, table.level, f, table.integral)
+            value[here] = blocks.interpolated(block, level, frequency[here], self.integral[rows])
         return value
 
 
-def line_integral_blocks(
+def line_integrals(
     receivers: Mapping[Receiver, TransferFunction],
     distances: npt.ArrayLike,
-    block: int,
+    which: Iterable[int],
     tolerance: float = 1e-4,
     refinement: int = 1,
-) -> dict[Receiver, LineIntegralBlock]:
-    """Tabulate M(d, f) of some receivers over one block of frequencies.
+) -> dict[Receiver, LineIntegrals]:
+    """Tabulate M(d, f) of some receivers.
 
-    Each takes the first level from that of its transfer function on at which interpolation passes a check
-    half-way between the frequencies; none depends on which others were asked for.
+    Each takes in each block the first level from that of its transfer function on at which interpolation
+    passes a check half-way between the frequencies; none depends on which others were asked for.
 
     Parameters
     ----------
     receivers
-        The receivers' transfer functions, tabulated over the block at least.
+        The receivers' transfer functions.
     distances
         Distances d ≥ 0 between axles, m, ascending from 0.
-    block
-        Index of the block, see `railvib.blocks`.
+    which
+        Indices of the blocks, ascending, see `railvib.blocks`; the transfer functions are tabulated there.
     tolerance
         Error allowed, relative to the integral at distance 0.
     refinement
         For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
     """
-    beyond = int(np.log2(refinement))
     d = np.asarray(distances, float)
+    made: dict[Receiver, list[_Block]] = {receiver: [] for receiver in receivers}
+    for block in which:
+        for receiver, table in _block(receivers, d, block, tolerance, int(np.log2(refinement))).items():
+            made[receiver].append(table)
+    return {
+        receiver: LineIntegrals(
+            np.concatenate([each.frequency for each in tables]),
+            d,
+            np.concatenate([each.integral for each in tables]),
+            np.array([each.block for each in tables]),
+            np.array([each.level for each in tables]),
+            np.array([each.error for each in tables]),
+        )
+        for receiver, tables in made.items()
+    }
+
+
+class _Block(NamedTuple):
+    """The rows of `LineIntegrals` that belong to one block."""
+
+    block: int
+    level: int
+    error: float
+    frequency: np.ndarray
+    integral: np.ndarray
+
+
+def _block(
+    receivers: Mapping[Receiver, TransferFunction],
+    distance: np.ndarray,
+    block: int,
+    tolerance: float,
+    beyond: int,
+) -> dict[Receiver, _Block]:
+    """Tabulate one block, each receiver `beyond` levels above the first that passes its check."""
     own = {
         each: TransferFunction([function.blocks[block]], function.track)
         for each, function in receivers.items()
     }
     level = {each: function.blocks[block].level for each, function in own.items()}
     passed: dict[Receiver, int] = {}
-    made: dict[Receiver, LineIntegralBlock] = {}
+    made: dict[Receiver, _Block] = {}
     while len(made) < len(own):
         # All that are at one level together: they share their nodes, and so much of the work.
         now = min(level[each] for each in own if each not in made)
         some = {each: own[each] for each in own if each not in made and level[each] == now}
-        halfway = blocks.halfway(block, now, _CHECKS)
-        f, between = blocks.frequency(now, blocks.indices(block, now)), blocks.frequency(now + 1, halfway)
-        found = line_integrals(some, d, np.concatenate([f, between]))
-        for receiver, value in found.items():
+        f = blocks.frequency(now, blocks.indices(block, now))
+        between = blocks.frequency(now + 1, blocks.halfway(block, now, _CHECKS))
+        for receiver, value in directly(some, distance, np.concatenate([f, between])).items():
             tabulated, direct = value[: f.size], value[f.size :]
             interpolated = blocks.interpolated(block, now, between, tabulated)
             error = float((np.abs(interpolated - direct) / direct[:, :1]).max())
             if error <= _SHARE * tolerance or now >= _MOST_LEVELS:
                 passed.setdefault(receiver, now)
             if receiver in passed and now >= passed[receiver] + beyond:
-                made[receiver] = LineIntegralBlock(f, d, np.ascontiguousarray(tabulated), block, now, error)
+                made[receiver] = _Block(block, now, error, f, tabulated)
             level[receiver] += 1
     return made
 
 
-def line_integrals(
+def directly(
     receivers: Mapping[Receiver, TransferFunction], distances: npt.ArrayLike, frequency: npt.ArrayLike
 ) -> dict[Receiver, np.ndarray]:
-    """Return M(d, f) of some receivers at some distances and frequencies, computed there.
+    """Return M(d, f) of some receivers, computed at the frequencies themselves.
 
     Parameters
     ----------

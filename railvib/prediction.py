@@ -13,7 +13,7 @@ from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
-from railvib.line_integrals import LineIntegrals, line_integral_blocks
+from railvib.line_integrals import LineIntegrals, line_integrals
 from railvib.moving_roughness import spans
 from railvib.plausibility import check_damping, check_speed
 from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
@@ -195,14 +195,13 @@ def predict(
                 for block in wanted_blocks
             )
         if approach != "full" and model not in integrals:
-            wanted_receivers = {each: functions[each] for each in receivers}
-            tabulated = [
-                line_integral_blocks(
-                    wanted_receivers, spans(train.axle_positions), block, tolerance, refinement
-                )
-                for block in covering
-            ]
-            integrals[model] = {each: LineIntegrals(table[each] for table in tabulated) for each in receivers}
+            integrals[model] = line_integrals(
+                {each: functions[each] for each in receivers},
+                spans(train.axle_positions),
+                covering,
+                tolerance,
+                refinement,
+            )
             if averaging == "train":
                 over_train[model] = {
                     each: train_integrals(functions[each], train.axle_positions, frequency)

@@ -20,7 +20,7 @@ from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
 from railvib.ground import Ground
-from railvib.line_integrals import LineIntegralBlock, LineIntegrals, line_integral_blocks
+from railvib.line_integrals import LineIntegrals, line_integrals
 from railvib.moving_transfer import MovingTransferBlock, moving_transfer_block
 from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
@@ -121,19 +121,14 @@ def _moving_units(model: _Model, speed: float, which: range) -> tuple[Unit, ...]
 
 
 @lru_cache(REMEMBERED)
-def _line_integral_units(
-    model: _Model, train: Canonical, receiver: str | float, which: range
-) -> tuple[Unit, ...]:
-    """Return the units of one receiver's line integrals over some blocks, for the axles of a train."""
-    return tuple(
-        Unit.of(
-            "line_integrals",
-            receiver=receiver,
-            distances=tuple(each for each in train_axles(train).distances if each >= 0.0),
-            block=block,
-            **model.inputs,
-        )
-        for block in reversed(which)  # the highest first: it takes longest
+def _line_integral_unit(model: _Model, train: Canonical, receiver: str | float, which: range) -> Unit:
+    """Return the unit of one receiver's line integrals over some blocks, for the axles of a train."""
+    return Unit.of(
+        "line_integrals",
+        receiver=receiver,
+        distances=tuple(each for each in train_axles(train).distances if each >= 0.0),
+        blocks=tuple(which),
+        **model.inputs,
     )
 
 
@@ -266,13 +261,13 @@ def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
 
 
 def _line_integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
-    block = int(inputs["block"])
-    return _transfer_units(_model(inputs), inputs["receiver"], range(block, block + 1))
+    which = range(int(inputs["blocks"][0]), int(inputs["blocks"][-1]) + 1)
+    return _transfer_units(_model(inputs), inputs["receiver"], which)
 
 
-def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegralBlock]]:
+def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegrals]]:
     first = units[0].inputs
-    track, block = Track(**first["track"]), int(first["block"])
+    track = Track(**first["track"])
     classes: dict[float, dict[str | float, Unit]] = {}
     for unit in units:
         receiver = unit.inputs["receiver"]
@@ -282,7 +277,7 @@ def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit,
             each: TransferFunction([load(need) for need in _line_integral_needs(unit.inputs)], track)
             for each, unit in asked.items()
         }
-        made = line_integral_blocks(receivers, first["distances"], block, first["tolerance"])
+        made = line_integrals(receivers, first["distances"], first["blocks"], first["tolerance"])
         yield {asked[receiver]: table for receiver, table in made.items()}
 
 
@@ -315,9 +310,9 @@ def _spectra_rail(inputs: Inputs) -> tuple[Unit, ...]:
     return _receptance_units(_model(inputs), inputs["train"], speed, which)
 
 
-def _line_integrals_of(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
+def _line_integrals_of(inputs: Inputs, receiver: str | float) -> Unit:
     """Return the line integrals of one receiver that a case by the moving roughness rests on."""
-    return _line_integral_units(_model(inputs), inputs["train"], receiver, covering(inputs["band"]))
+    return _line_integral_unit(_model(inputs), inputs["train"], receiver, covering(inputs["band"]))
 
 
 def _spectra_needs(inputs: Inputs) -> list[Unit]:
@@ -327,8 +322,7 @@ def _spectra_needs(inputs: Inputs) -> list[Unit]:
     for receiver in inputs["receivers"]:
         needs += _receiver_units(inputs, receiver)
     if inputs["approach"] != "full":
-        for receiver in inputs["receivers"]:
-            needs += _line_integrals_of(inputs, receiver)
+        needs += [_line_integrals_of(inputs, receiver) for receiver in inputs["receivers"]]
     if "train" in inputs["averaging"]:
         needs += [_train_integral_unit(inputs, receiver) for receiver in inputs["receivers"]]
     return needs
@@ -348,12 +342,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 np.asarray(inputs["band"]),
                 Receptances([load(need) for need in _spectra_rail(inputs)]),
                 _Receivers(inputs, load),
-                None
-                if full
-                else {
-                    each: LineIntegrals([load(need) for need in _line_integrals_of(inputs, each)])
-                    for each in receivers
-                },
+                None if full else {each: load(_line_integrals_of(inputs, each)) for each in receivers},
                 excited_up_to(inputs) if full else None,
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}
                 if "train" in inputs["averaging"]
@@ -403,7 +392,8 @@ def _moving_bytes(inputs: Inputs) -> int:
 
 
 def _line_integral_bytes(inputs: Inputs) -> int:
-    return _transfer_rows(inputs) * len(inputs["distances"]) * FLOAT
+    rows = sum(_transfer_rows({**inputs, "block": block}) for block in inputs["blocks"])
+    return rows * len(inputs["distances"]) * FLOAT
 
 
 def _train_integral_bytes(inputs: Inputs) -> int:
@@ -469,10 +459,10 @@ KINDS: dict[str, Kind] = {
         memory=lambda inputs: 4 * _moving_bytes(inputs),
     ),
     "line_integrals": Kind(
-        result=LineIntegralBlock,
+        result=LineIntegrals,
         scope=lambda inputs: "ground",
         needs=_line_integral_needs,
-        together=_together(*_Model._fields, "distances", "block"),
+        together=_together(*_Model._fields, "distances", "blocks"),
         compute=_line_integrals,
         size=_line_integral_bytes,
         memory=lambda inputs: 4 * _line_integral_bytes(inputs),

@@ -102,8 +102,9 @@ def _table_nodes(inputs: Inputs, receivers: Sequence[str | float]) -> float:
 
 
 def _line_integrals(inputs: Inputs) -> Amounts:
-    rows, nodes = table_size(inputs)
-    return {"units": 1.0, "values": rows * nodes, "values of axles": rows * nodes * len(inputs["distances"])}
+    sizes = [table_size({**inputs, "block": block}) for block in inputs["blocks"]]
+    values = sum(rows * nodes for rows, nodes in sizes)
+    return {"units": 1.0, "values": values, "values of axles": values * len(inputs["distances"])}
 
 
 def _train_integrals(inputs: Inputs) -> Amounts:

@@ -10,7 +10,7 @@ from railvib.excitation import excitation, resolved
 from railvib.forces import arrivals, axle_distances, force_matrices
 from railvib.full_model import passage_spectra
 from railvib.ground import Ground, Layer
-from railvib.line_integrals import LineIntegrals, line_integral_blocks, line_integrals
+from railvib.line_integrals import directly, line_integrals
 from railvib.moving_roughness import axle_pairs, products, spans
 from railvib.receptance import Receptances, receptance_block
 from railvib.spectra import line_step, lines, spectra
@@ -29,7 +29,7 @@ own frequency.
 def line_products(transfer, axle_position, f, force):
     """Return ∫ u_p* u_q dx over the whole line, of several sets of forces (lines, axles, sets)."""
     d = spans(axle_position)
-    integral = line_integrals({"here": transfer}, d, f)["here"]
+    integral = directly({"here": transfer}, d, f)["here"]
     return products(axle_pairs(integral, d, axle_position), force)
 
 
@@ -58,31 +58,31 @@ def test_no_receiver_depends_on_the_others(functions, train):
     """Computed together or alone, to the last bit: results are kept by receiver, in any company."""
     f = np.array([2.5, 9.0, 21.0])
     d = spans(train.axle_positions)
-    together = line_integrals({each: functions[each] for each in RECEIVERS}, d, f)
+    together = directly(functions, d, f)
+    tabulated = line_integrals(functions, d, range(1, 3), 1e-5)
     for each in RECEIVERS:
-        alone = line_integrals({each: functions[each]}, d, f)[each]
-        np.testing.assert_array_equal(together[each], alone)
-    tabulated = line_integral_blocks({each: functions[each] for each in RECEIVERS}, d, 2, 1e-5)
-    for each in RECEIVERS:
-        alone = line_integral_blocks({each: functions[each]}, d, 2, 1e-5)[each]
+        only = {each: functions[each]}
+        np.testing.assert_array_equal(together[each], directly(only, d, f)[each])
+        alone = line_integrals(only, d, range(1, 3), 1e-5)[each]
         np.testing.assert_array_equal(tabulated[each].integral, alone.integral)
+        np.testing.assert_array_equal(tabulated[each].level, alone.level)
 
 
 @pytest.mark.parametrize("receiver", RECEIVERS)
 def test_tabulated_line_integrals_are_those_computed_at_the_lines(receiver, functions, train):
     """Interpolated between the frequencies of a table, at every axle distance; the tolerance is 1e-4."""
     d, f = spans(train.axle_positions), np.linspace(1.13, 35.4, 301)
-    blocks = [line_integral_blocks({receiver: functions[receiver]}, d, block)[receiver] for block in range(3)]
-    direct = line_integrals({receiver: functions[receiver]}, d, f)[receiver]
-    assert np.all(np.abs(LineIntegrals(blocks).at(f) - direct) < 3e-5 * direct[:, :1])
+    only = {receiver: functions[receiver]}
+    tabulated, direct = line_integrals(only, d, range(3))[receiver], directly(only, d, f)[receiver]
+    assert np.all(np.abs(tabulated.at(f) - direct) < 3e-5 * direct[:, :1])
+    assert np.all(tabulated.interpolation_error <= 1e-5)
 
 
 def test_by_axle_equals_all_together(functions, standing, train):
     """Law 1: Eq. 27 with its cross terms is Eq. 23, to rounding."""
     midband = bands.midbands(2.0, 25.0)
     d = spans(train.axle_positions)
-    tabulated = [line_integral_blocks(functions, d, block) for block in range(3)]
-    integrals = {each: LineIntegrals(blocks[each] for blocks in tabulated) for each in RECEIVERS}
+    integrals = line_integrals(functions, d, range(3))
     made = {
         approach: spectra(approach, train, ROUGH, SPEED, midband, standing, functions, integrals)
         for approach in ("moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railvib.ground import Ground, Layer
-from railvib.line_integrals import line_integrals
+from railvib.line_integrals import directly
 from railvib.moving_roughness import axle_pairs, products, spans
 from railvib.train_average import train_integrals
 from railvib.vehicle import Train
@@ -53,7 +53,7 @@ def test_less_than_over_the_line(receiver, functions, vehicle):
         train_integrals(functions[receiver], train.axle_positions, FREQUENCY).integral, force
     )
     d = spans(train.axle_positions)
-    integral = line_integrals({receiver: functions[receiver]}, d, FREQUENCY)[receiver]
+    integral = directly({receiver: functions[receiver]}, d, FREQUENCY)[receiver]
     over_line = products(axle_pairs(integral, d, train.axle_positions), force)
     assert np.all(over_train[:, 0, 0].real > 0.0)
     assert np.all(over_train[:, 0, 0].real < over_line[:, 0, 0].real)
