@@ -24,10 +24,9 @@ from railvib.excitation import Excitation
 from railvib.panels import FROM_POWERS, ORDER, WEIGHT, count_below
 from railvib.squared import same_nodes, squared
 from railvib.transfer import Receiver, TransferFunction
-from railvib.vehicle import Train
 
 _LINES_AT_ONCE = 64
-_RECEIVERS_AT_ONCE = 8
+RECEIVERS_AT_ONCE = 8
 """Whose tables are held at the same time."""
 _PARTS = 32
 """Parts of panels that are gathered before they are integrated over together, in vector registers."""
@@ -71,8 +70,8 @@ def passage_spectra(
     with cost.stage("passage") as spent:
         # By distance, as the near ones share their nodes.
         ordered = sorted(receivers, key=_distance)
-        for i in range(0, len(ordered), _RECEIVERS_AT_ONCE):
-            functions = {each: receivers[each] for each in ordered[i : i + _RECEIVERS_AT_ONCE]}
+        for i in range(0, len(ordered), RECEIVERS_AT_ONCE):
+            functions = {each: receivers[each] for each in ordered[i : i + RECEIVERS_AT_ONCE]}
             for start in range(0, frequency.size, _LINES_AT_ONCE):
                 here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
                 turn = np.exp(2j * np.pi / speed * frequency[here, None] * excited.axle_position)
@@ -265,35 +264,3 @@ def _excited_panel(edge, kappa, side, shift, tiny):
         return n, False, shift - edge[n]
     n = count_below(edge, -beta + tiny)
     return n - 1, True, (edge[n] + shift if n < edge.shape[0] else np.inf)
-
-
-def quasi_static_spectra(
-    receivers: Mapping[Receiver, TransferFunction], train: Train, speed: float, frequency: np.ndarray
-) -> dict[Receiver, np.ndarray]:
-    """Return PSDs of displacement at fixed points from the moving axle loads: |S_0(f; 0)|²·2/T.
-
-    Parameters
-    ----------
-    receivers
-        The receivers' tabulated transfer functions.
-    train
-        The train.
-    speed
-        m/s.
-    frequency
-        Receiving frequencies, Hz, (n,).
-
-    Returns
-    -------
-    dict of ndarray, shape (n,)
-        One-sided PSDs, m²/Hz.
-    """
-    kappa = 2.0 * np.pi * frequency / speed
-    with cost.stage("quasi-static") as spent:
-        load = np.exp(1j * kappa[:, None] * train.axle_positions) @ train.axle_loads / speed
-        psd = {
-            receiver: np.abs(transfer.along(frequency, kappa) * load) ** 2 * 2.0 * speed / train.length
-            for receiver, transfer in receivers.items()
-        }
-        spent.evaluations += frequency.size * len(receivers)
-    return psd

@@ -16,6 +16,7 @@ from railvib.ground import Ground
 from railvib.line_integrals import LineIntegrals, line_integrals
 from railvib.moving_roughness import spans
 from railvib.plausibility import check_damping, check_speed
+from railvib.quasi_static import quasi_static_spectra
 from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
 from railvib.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
@@ -184,6 +185,7 @@ def predict(
     rails: dict[tuple[bool, float], Receptances] = {}
     integrals: dict[bool, dict[Receiver, LineIntegrals]] = {}
     over_train: dict[bool, dict[Receiver, TrainIntegrals]] = {}
+    still: dict[bool, dict[Receiver, np.ndarray]] = {}
     for approach in approaches:
         v = speed if approach == "full" else 0.0
         model = approach == "fe-be"
@@ -193,6 +195,15 @@ def predict(
             rails[model, v] = Receptances(
                 receptance_block(functions["rail"], track, v, distances, block, tolerance, refinement)
                 for block in wanted_blocks
+            )
+        if model not in still:
+            still[model] = quasi_static_spectra(
+                {each: functions[each] for each in receivers},
+                train.axle_positions,
+                train.axle_loads,
+                train.length,
+                speed,
+                frequency,
             )
         if approach != "full" and model not in integrals:
             integrals[model] = line_integrals(
@@ -215,6 +226,7 @@ def predict(
                 speed,
                 midband,
                 rails[model, v],
+                still[model],
                 {each: functions[each] for each in receivers},
                 integrals.get(model),
                 highest,

@@ -9,7 +9,7 @@ import numpy as np
 from railvib import bands, cost, threads
 from railvib.excitation import excitation
 from railvib.forces import arrivals, axle_forces, axle_numbers, force_matrices
-from railvib.full_model import passage_spectra, quasi_static_spectra
+from railvib.full_model import passage_spectra
 from railvib.line_integrals import LineIntegrals
 from railvib.moving_roughness import axle_pairs, force_products, line_means, products
 from railvib.receptance import Receptances
@@ -113,7 +113,8 @@ def spectra(
     speed: float,
     midband: np.ndarray,
     rail: Receptances,
-    receivers: Mapping[Receiver, TransferFunction],
+    quasi_static: Mapping[Receiver, np.ndarray],
+    receivers: Mapping[Receiver, TransferFunction] | None = None,
     integrals: Mapping[Receiver, LineIntegrals] | None = None,
     highest: float | None = None,
     over_train: Mapping[Receiver, TrainIntegrals] | None = None,
@@ -133,8 +134,10 @@ def spectra(
     rail
         The rail's receptances: standing for the moving roughness, moving at the train's speed for the full
         model.
+    quasi_static
+        The receivers' PSDs of displacement from the axle loads on `lines`, m²/Hz, (n,) each.
     receivers
-        The receivers' tabulated transfer functions, which may be loaded when asked for.
+        Their tabulated transfer functions, which may be loaded when asked for; needed for the full model.
     integrals
         Their line integrals at the train's axle distances; needed for the moving roughness.
     highest
@@ -157,8 +160,8 @@ def spectra(
     uneven = unevenness.psd(f * per_hz) * per_hz
     phase = arrivals(train, f, speed)
     if approach == "full":
-        if highest is None:
-            raise ValueError("the full model needs the highest frequency of excitation")
+        if highest is None or receivers is None:
+            raise ValueError("the full model needs transfer functions and the highest excitation")
         force = np.abs(axle_forces(train, rail, f, phase)) ** 2
         with cost.stage("excitation"):
             excited = excitation(train, rail, unevenness, speed, highest, tolerance, refinement)
@@ -176,9 +179,8 @@ def spectra(
         _Series("dynamic", "wheel_rail_force", f"axle-{number}", "line", np.nan, force[:, axle] * uneven)
         for axle, number in enumerate(axle_numbers(train))
     ]
-    still = quasi_static_spectra(receivers, train, speed, f)
-    for receiver in receivers:
-        series += _velocities(receiver, f, displacement[receiver], still[receiver])
+    for receiver, still in quasi_static.items():
+        series += _velocities(receiver, f, displacement[receiver], still)
     with cost.stage("bands"), threads.single():
         psd = np.array([each.psd for each in series])
         mean_square = bands.band_mean_squares(f, psd, midband)

@@ -28,6 +28,7 @@ DEPENDS: Mapping[str, tuple[str, ...]] = {
     "receptance": ("soil", "track", "train", "speed_kmh"),
     "moving_transfer": ("soil", "track", "speed_kmh"),
     "line_integrals": ("soil", "track", "train", "offsets_m"),
+    "quasi_static": ("soil", "track", "train", "speed_kmh"),
     "train_integrals": ("soil", "track", "train", "offsets_m"),
     "spectra": ("soil", "track", "train", "unevenness", "speed_kmh"),
 }

@@ -19,11 +19,13 @@ from railvib.boundary_elements import receiver_flexibility, strip_flexibility
 from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.forces import axle_distances
+from railvib.full_model import RECEIVERS_AT_ONCE
 from railvib.ground import Ground
 from railvib.line_integrals import LineIntegrals, line_integrals
 from railvib.moving_transfer import MovingTransferBlock, moving_transfer_block
 from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
+from railvib.quasi_static import QuasiStatic, quasi_static_spectra
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
 from railvib.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import MOST_LEVELS, distance_class, largest_wavenumber, transfer_blocks_by_class
@@ -120,6 +122,22 @@ def _moving_units(model: _Model, speed: float, which: range) -> tuple[Unit, ...]
     )
 
 
+def _quasi_static_unit(inputs: Inputs) -> Unit:
+    """Return the unit of the response to the axle loads of a case, which its approaches share."""
+    axles = train_axles(inputs["train"])
+    return Unit.of(
+        "quasi_static",
+        receivers=inputs["receivers"],
+        band=inputs["band"],
+        step=line_step(axles.train_length, inputs["speed"]),
+        speed=inputs["speed"],
+        train_length=axles.train_length,
+        axle_position=axles.position,
+        axle_load=axles.load,
+        **_model(inputs).inputs,
+    )
+
+
 @lru_cache(REMEMBERED)
 def _line_integral_unit(model: _Model, train: Canonical, receiver: str | float, which: range) -> Unit:
     """Return the unit of one receiver's line integrals over some blocks, for the axles of a train."""
@@ -146,10 +164,11 @@ def _train_integral_unit(inputs: Inputs, receiver: str | float) -> Unit:
 
 
 class _Axles(NamedTuple):
-    """What the units of a train depend on: lengths in m, positions from the last axle."""
+    """What the units of a train depend on: lengths in m, positions from the last axle, loads in N."""
 
     train_length: float
     position: tuple[float, ...]
+    load: tuple[float, ...]
     distances: tuple[float, ...]
 
 
@@ -158,7 +177,12 @@ def train_axles(train: Canonical) -> _Axles:
     """Return what the units of a train depend on."""
     made = Train(**train)
     position = np.round(made.axle_positions - made.axle_positions[0], 9)
-    return _Axles(made.length, tuple(position.tolist()), tuple(axle_distances(made).tolist()))
+    return _Axles(
+        made.length,
+        tuple(position.tolist()),
+        tuple(made.axle_loads.tolist()),
+        tuple(axle_distances(made).tolist()),
+    )
 
 
 @lru_cache(REMEMBERED)
@@ -260,6 +284,10 @@ def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
     return _receiver_units(inputs, inputs["receiver"])
 
 
+def _quasi_static_needs(inputs: Inputs) -> list[Unit]:
+    return [unit for receiver in inputs["receivers"] for unit in _receiver_units(inputs, receiver)]
+
+
 def _line_integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
     which = range(int(inputs["blocks"][0]), int(inputs["blocks"][-1]) + 1)
     return _transfer_units(_model(inputs), inputs["receiver"], which)
@@ -273,12 +301,28 @@ def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit,
         receiver = unit.inputs["receiver"]
         classes.setdefault(distance_class(receiver), {})[receiver] = unit
     for asked in classes.values():  # receivers of one class share their nodes, and so their costs
-        receivers = {
-            each: TransferFunction([load(need) for need in _line_integral_needs(unit.inputs)], track)
-            for each, unit in asked.items()
-        }
-        made = line_integrals(receivers, first["distances"], first["blocks"], first["tolerance"])
-        yield {asked[receiver]: table for receiver, table in made.items()}
+        for i in range(0, len(asked), RECEIVERS_AT_ONCE):
+            receivers = {
+                each: TransferFunction([load(need) for need in _line_integral_needs(unit.inputs)], track)
+                for each, unit in list(asked.items())[i : i + RECEIVERS_AT_ONCE]
+            }
+            made = line_integrals(receivers, first["distances"], first["blocks"], first["tolerance"])
+            yield {asked[receiver]: table for receiver, table in made.items()}
+
+
+def _quasi_static(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, QuasiStatic]]:
+    for unit in units:
+        inputs = unit.inputs
+        f = narrow_lines(inputs)
+        made = quasi_static_spectra(
+            _Receivers(inputs, load),
+            np.asarray(inputs["axle_position"]),
+            np.asarray(inputs["axle_load"]),
+            inputs["train_length"],
+            inputs["speed"],
+            f,
+        )
+        yield {unit: QuasiStatic(f, np.array([made[each] for each in inputs["receivers"]]))}
 
 
 def _train_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, TrainIntegrals]]:
@@ -316,12 +360,12 @@ def _line_integrals_of(inputs: Inputs, receiver: str | float) -> Unit:
 
 
 def _spectra_needs(inputs: Inputs) -> list[Unit]:
-    needs = [*_spectra_rail(inputs)]
+    needs = [*_spectra_rail(inputs), _quasi_static_unit(inputs)]
     if inputs["approach"] == "full":  # the transfer function behind its receptances, which a run shows
         needs += _moving_units(_model(inputs), inputs["speed"], blocks.up_to(excited_up_to(inputs)))
-    for receiver in inputs["receivers"]:
-        needs += _receiver_units(inputs, receiver)
-    if inputs["approach"] != "full":
+        for receiver in inputs["receivers"]:
+            needs += _receiver_units(inputs, receiver)
+    else:
         needs += [_line_integrals_of(inputs, receiver) for receiver in inputs["receivers"]]
     if "train" in inputs["averaging"]:
         needs += [_train_integral_unit(inputs, receiver) for receiver in inputs["receivers"]]
@@ -333,6 +377,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
         inputs = unit.inputs
         full = inputs["approach"] == "full"
         receivers = inputs["receivers"]
+        still = load(_quasi_static_unit(inputs)).psd
         yield {
             unit: spectra(
                 inputs["approach"],
@@ -341,7 +386,8 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 inputs["speed"],
                 np.asarray(inputs["band"]),
                 Receptances([load(need) for need in _spectra_rail(inputs)]),
-                _Receivers(inputs, load),
+                dict(zip(receivers, still, strict=True)),
+                _Receivers(inputs, load) if full else None,
                 None if full else {each: load(_line_integrals_of(inputs, each)) for each in receivers},
                 excited_up_to(inputs) if full else None,
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}
@@ -396,6 +442,10 @@ def _line_integral_bytes(inputs: Inputs) -> int:
     return rows * len(inputs["distances"]) * FLOAT
 
 
+def _quasi_static_bytes(inputs: Inputs) -> int:
+    return narrow_lines(inputs).size * (1 + len(inputs["receivers"])) * FLOAT
+
+
 def _train_integral_bytes(inputs: Inputs) -> int:
     return narrow_lines(inputs).size * len(inputs["axle_position"]) ** 2 * COMPLEX
 
@@ -424,10 +474,18 @@ def matrices_memory(inputs: Inputs) -> int:
     return 6 * LINES_AT_ONCE * axles**2 * COMPLEX
 
 
+def _tables_memory(inputs: Inputs) -> int:
+    """Estimate what the tables of the receivers held together take, and what is derived from them."""
+    of_receivers = sorted(
+        sum(_transfer_bytes(unit.inputs) for unit in _receiver_units(inputs, receiver))
+        for receiver in inputs["receivers"]
+    )
+    return 2 * sum(of_receivers[-RECEIVERS_AT_ONCE:])
+
+
 def _spectra_memory(inputs: Inputs) -> int:
-    """Estimate what the tables of all receivers and the matrices of all lines take."""
-    tables = sum(_transfer_bytes(unit.inputs) for unit in _spectra_needs(inputs) if unit.kind == "transfer")
-    return 2 * tables + matrices_memory(inputs)
+    """Estimate what the tables of receivers and the matrices of all lines take."""
+    return (_tables_memory(inputs) if inputs["approach"] == "full" else 0) + matrices_memory(inputs)
 
 
 KINDS: dict[str, Kind] = {
@@ -466,6 +524,15 @@ KINDS: dict[str, Kind] = {
         compute=_line_integrals,
         size=_line_integral_bytes,
         memory=lambda inputs: 4 * _line_integral_bytes(inputs),
+    ),
+    "quasi_static": Kind(
+        result=QuasiStatic,
+        scope=lambda inputs: "speed",
+        needs=_quasi_static_needs,
+        together=identity.digest,
+        compute=_quasi_static,
+        size=_quasi_static_bytes,
+        memory=_tables_memory,
     ),
     "train_integrals": Kind(
         result=TrainIntegrals,

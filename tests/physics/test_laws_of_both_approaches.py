@@ -12,6 +12,7 @@ from railvib.full_model import passage_spectra
 from railvib.ground import Ground, Layer
 from railvib.line_integrals import directly, line_integrals
 from railvib.moving_roughness import axle_pairs, products, spans
+from railvib.quasi_static import quasi_static_spectra
 from railvib.receptance import Receptances, receptance_block
 from railvib.spectra import line_step, lines, spectra
 from railvib.unevenness import Unevenness
@@ -83,8 +84,10 @@ def test_by_axle_equals_all_together(functions, standing, train):
     midband = bands.midbands(2.0, 25.0)
     d = spans(train.axle_positions)
     integrals = line_integrals(functions, d, range(3))
+    f = lines(midband, line_step(train.length, SPEED))
+    still = quasi_static_spectra(functions, train.axle_positions, train.axle_loads, train.length, SPEED, f)
     made = {
-        approach: spectra(approach, train, ROUGH, SPEED, midband, standing, functions, integrals)
+        approach: spectra(approach, train, ROUGH, SPEED, midband, standing, still, integrals=integrals)
         for approach in ("moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated")
     }
     together, by_axle, uncorrelated = made.values()

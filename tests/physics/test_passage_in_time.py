@@ -13,8 +13,9 @@ import pytest
 
 from railvib.excitation import excitation
 from railvib.forces import arrivals, axle_distances, force_matrices
-from railvib.full_model import passage_spectra, quasi_static_spectra
+from railvib.full_model import passage_spectra
 from railvib.ground import Ground, Layer
+from railvib.quasi_static import quasi_static_spectra
 from railvib.rational_fit import fit_flexibility
 from railvib.receptance import Receptances, receptance_block
 from railvib.strip import strip_compliances
@@ -228,5 +229,7 @@ def test_constant_axle_loads(soft, track, single, functions):
     )  # 2.7 to 10 Hz: beyond, the near field of constant loads has died out
     f = FREQUENCY_STEP * row
     expected = 2.0 * np.abs(spectrum_of(u.real)[row]) ** 2 * SPEED / single.length
-    psd = quasi_static_spectra(functions, single, SPEED, f)[OFFSET]
+    psd = quasi_static_spectra(functions, single.axle_positions, single.axle_loads, single.length, SPEED, f)[
+        OFFSET
+    ]
     np.testing.assert_allclose(psd, expected, rtol=1e-4)

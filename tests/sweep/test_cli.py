@@ -46,6 +46,7 @@ def test_a_run_leaves_manifest_records_store_and_log(computed):
         "receptance": {"ground", "speed"},
         "moving_transfer": {"speed"},
         "line_integrals": {"ground"},
+        "quasi_static": {"speed"},
         "spectra": {"case"},
     }
     lines = [json.loads(line) for line in (computed / "out" / "log.jsonl").read_text().splitlines()]
@@ -165,7 +166,7 @@ def test_damage_is_repaired_within_a_run(here):
     (out / store.STORE / first["group"] / name / "c.0.0").unlink()
     for record in records.committed(out, "spectra"):
         records.withdraw(out, "spectra", record["unit_id"])
-    for kind in ("line_integrals", "moving_transfer", "receptance"):
+    for kind in ("line_integrals", "quasi_static", "moving_transfer", "receptance"):
         for record in records.committed(out, kind):
             records.withdraw(out, kind, record["unit_id"])
     from sweep import task

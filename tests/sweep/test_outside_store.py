@@ -20,7 +20,7 @@ from tests.sweep.small import STUDY, invoke
 
 __all__ = ["s3"]
 
-SHARED = {"transfer", "receptance", "moving_transfer", "line_integrals"}
+SHARED = {"transfer", "receptance", "moving_transfer", "quasi_static", "line_integrals"}
 
 
 @pytest.fixture

@@ -104,7 +104,12 @@ def test_scopes():
         need.kind: units.KINDS[need.kind].scope(need.inputs)
         for need in units.KINDS["spectra"].needs(unit.inputs)
     }
-    assert scopes == {"receptance": "speed", "moving_transfer": "speed", "transfer": "ground"}
+    assert scopes == {
+        "receptance": "speed",
+        "moving_transfer": "speed",
+        "quasi_static": "speed",
+        "transfer": "ground",
+    }
 
 
 def test_estimates_are_near_what_is_stored(computed):
