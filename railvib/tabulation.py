@@ -7,7 +7,6 @@ of frequencies at which interpolation between them passes a check against direct
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,17 +14,22 @@ import numpy as np
 from railvib import blocks, cost
 from railvib.ground import Ground
 from railvib.ground_fits import GroundFits
+from railvib.halfway import Halfway
 from railvib.panels import nodes_between, unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.strip import strip_compliances
 from railvib.track import Track, track_response
-from railvib.transfer import Nodes, Receiver, TransferBlock, TransferFunction, loaded
+from railvib.transfer import Nodes, Receiver, TransferBlock
 
 MOST_LEVELS = 6
 TIGHTEST, LOOSEST = 1e-6, 1e-2
 """Tolerances that can be asked for; the rational fits are asked for a millionth of them."""
 _MOST_HALVINGS = 12
 _CHECKS = 5
+_TOGETHER = 32
+"""Receivers whose values are computed together, and held until their tables are made."""
+_AT_ONCE = 8
+"""Receivers whose tables are handed on together."""
 
 
 def largest_wavenumber(track: Track, refinement: int = 1) -> float:
@@ -89,7 +93,11 @@ def transfer_blocks_by_class(
     refinement: int = 1,
     evaluation: "Model | None" = None,
 ) -> Iterator[dict[Receiver, TransferBlock]]:
-    """Yield what `transfer_blocks` returns class by class, so that not all tables need be held at once."""
+    """Yield what `transfer_blocks` returns class by class, some receivers of a class at a time.
+
+    So not all tables need be held at once. Tables of a class that have the same frequencies hold the same
+    arrays of all that does not depend on the receiver.
+    """
     fits = GroundFits(ground, block, 1e-6 * tolerance)
     model = evaluation or Evaluation
     classes: dict[float, set[Receiver]] = {}
@@ -97,9 +105,11 @@ def transfer_blocks_by_class(
         classes.setdefault(distance_class(receiver), set()).add(receiver)
     for reach, members in sorted(classes.items()):
         nodes = _resolved_nodes(model(fits, track, (0.0, reach), tolerance), tolerance, refinement)
-        samples = _Samples(model, fits, track, nodes, tolerance)
-        certificate = _compliance_error(fits, track, reach, tolerance)
-        yield _tables(samples, members, certificate, refinement)
+        common = _Common(_compliance_error(fits, track, reach, tolerance))
+        ordered = sorted(members, key=lambda each: -1.0 if each == "rail" else float(each))
+        for first in range(0, len(ordered), _TOGETHER):
+            samples = _Samples(model, fits, track, nodes, tolerance)
+            yield from _tables(samples, ordered[first : first + _TOGETHER], common, refinement)
 
 
 class Evaluation:
@@ -178,29 +188,81 @@ class _Samples:
         self._model = model
         self._known: dict[tuple[int, int], dict[Receiver, np.ndarray]] = {}
 
-    def at(self, level: int, ks: np.ndarray, receivers: list[Receiver]) -> dict[Receiver, np.ndarray]:
-        """Return values (frequencies, nodes) of receivers, of the ground at 0, and of C(β, 0) if known."""
-        beta = self.nodes.wavenumber(blocks.frequency(level, ks))
-        rows = [self._row(level, int(k), own, receivers) for k, own in zip(ks, beta, strict=True)]
-        names = [name for name in (self.COMPLIANCE, 0.0, *receivers) if name in rows[0]]
-        return {name: np.array([row[name] for row in rows]) for name in dict.fromkeys(names)}
-
-    def _row(
-        self, level: int, k: int, beta: np.ndarray, receivers: list[Receiver]
-    ) -> dict[Receiver, np.ndarray]:
-        while level > 0 and k % 2 == 0:
-            level, k = level - 1, k // 2
-        known = self._known.setdefault((level, k), {})
-        missing = [each for each in receivers if each not in known]
-        if missing:
+    def evaluate(self, level: int, ks: np.ndarray, receivers: list[Receiver]) -> None:
+        """Compute what is missing of receivers at frequencies of a level, and of the ground at 0."""
+        for k in map(int, ks):
+            known = self._known.setdefault(_coarsest(level, k), {})
+            missing = [each for each in receivers if each not in known]
+            if not missing:
+                continue
             offsets = [float(each) for each in missing if each != "rail"]
             evaluate = self._model(self.fits, self.track, offsets, self.tolerance)
-            values = evaluate(level, k, beta)
+            values = evaluate(level, k, self.nodes.wavenumber(blocks.frequency(level, np.array([k])))[0])
             known.update({each: values[evaluate.row(each)] for each in (0.0, *missing)})
             if evaluate.compliance is not None:
                 known[self.COMPLIANCE] = evaluate.compliance
             self.failed |= evaluate.failed
-        return known
+
+    def at(self, level: int, ks: np.ndarray, receiver: Receiver) -> list[np.ndarray]:
+        """Return the values of a receiver, or C(β, 0), at frequencies of a level, each on the nodes."""
+        return [self._known[_coarsest(level, k)][receiver] for k in map(int, ks)]
+
+    @property
+    def know_compliance(self) -> bool:
+        """Whether the model knows C(β, 0)."""
+        return any(self.COMPLIANCE in known for known in self._known.values())
+
+
+def _coarsest(level: int, k: int) -> tuple[int, int]:
+    """Return the lowest level that has a frequency, and its index there."""
+    while level > 0 and k % 2 == 0:
+        level, k = level - 1, k // 2
+    return level, k
+
+
+class _Common:
+    """What the tables of a class have in common at each level, made once: the same arrays in all of them."""
+
+    def __init__(self, certificate: float) -> None:
+        self._certificate = certificate
+        self._fields: dict[int, dict[str, Any]] = {}
+        self._halfway: dict[int, Halfway] = {}
+
+    def halfway(self, samples: _Samples, level: int) -> Halfway:
+        """Return the places of a level's check."""
+        if level not in self._halfway:
+            known = samples.know_compliance
+            made = Halfway(
+                samples.nodes, samples.fits.block, level, samples.track if known else None, _CHECKS
+            )
+            made.put_on(
+                samples.at(level, made.row, samples.COMPLIANCE) if known else [],
+                samples.at(level + 1, made.place, 0.0),
+            )
+            self._halfway[level] = made
+        return self._halfway[level]
+
+    def fields(self, samples: _Samples, level: int) -> dict[str, Any]:
+        """Return the fields of a level's tables."""
+        if level not in self._fields:
+            fits, nodes = samples.fits, samples.nodes
+            ks = blocks.indices(fits.block, level)
+            frequency = blocks.frequency(level, ks)
+            known = samples.know_compliance
+            self._fields[level] = {
+                "frequency": frequency,
+                "wavenumber": nodes.wavenumber(frequency),
+                "compliance": np.array(samples.at(level, ks, samples.COMPLIANCE)) if known else None,
+                **_rational_form(fits, level, ks),
+                "quadrature": np.isin(frequency, list(samples.failed)).astype(float),
+                "edge": nodes.edge,
+                "block": fits.block,
+                "level": level,
+                "top_slowness": nodes.top_slowness,
+                "largest": nodes.largest,
+                "compliance_error": self._certificate,
+            }
+        return self._fields[level]
 
 
 def _resolved_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> Nodes:
@@ -238,87 +300,53 @@ def _resolved_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> 
 
 
 def _tables(
-    samples: _Samples, receivers: set[Receiver], certificate: float, refinement: int
-) -> dict[Receiver, TransferBlock]:
-    """Tabulate receivers, each at the first level that passes its check, or one beyond it."""
-    fits, nodes, tolerance = samples.fits, samples.nodes, samples.tolerance
-    made: dict[Receiver, TransferBlock] = {}
-    passed: dict[Receiver, int] = {}
-    beyond = int(np.log2(refinement))
+    samples: _Samples, receivers: list[Receiver], common: _Common, refinement: int
+) -> Iterator[dict[Receiver, TransferBlock]]:
+    """Tabulate receivers, each at the first level that passes its check, or one beyond it; some at a time."""
+    fits, tolerance = samples.fits, samples.tolerance
     slownesses = _reference_slownesses(fits)
+    beyond = int(np.log2(refinement))
+    passed: dict[Receiver, int] = {}
+    pending = receivers
     for level in range(MOST_LEVELS + beyond + 1):
-        pending = sorted(receivers - made.keys(), key=str)
         if not pending:
-            break
-        ks = blocks.indices(fits.block, level)
-        frequency = blocks.frequency(level, ks)
-        tabulated = samples.at(level, ks, pending)
-        halfway = blocks.halfway(fits.block, level, _CHECKS)
-        direct = samples.at(level + 1, halfway, pending)
-        f_halfway = blocks.frequency(level + 1, halfway)
-        common: dict[str, Any] = {
-            "frequency": frequency,
-            "wavenumber": nodes.wavenumber(frequency),
-            "compliance": tabulated.get(samples.COMPLIANCE),
-            **_rational_form(fits, level, ks),
-            "quadrature": np.isin(frequency, list(samples.failed)).astype(float),
-            "edge": nodes.edge,
-            "block": fits.block,
-            "level": level,
-            "top_slowness": nodes.top_slowness,
-            "largest": nodes.largest,
-            "compliance_error": certificate,
-        }
+            return
+        samples.evaluate(level, blocks.indices(fits.block, level), pending)
+        samples.evaluate(level + 1, blocks.halfway(fits.block, level, _CHECKS), pending)
+        halfway = common.halfway(samples, level)
+        made: dict[Receiver, TransferBlock] = {}
+        waiting = []
         for receiver in pending:
             distance = 0.0 if receiver == "rail" else max(float(receiver) - samples.track.half_width, 0.0)
-            # The peak is the field's: under the track for the ground, however far the receiver.
-            under = direct["rail" if receiver == "rail" else 0.0]
-            size = np.maximum(np.abs(direct[receiver]), 1e-8 * np.abs(under).max(axis=1, keepdims=True))
-            table = TransferBlock(
-                **common,
-                transfer=tabulated[receiver],
+            found = halfway.reference(
+                receiver,
+                distance,
+                samples.at(level, halfway.row, receiver),
+                samples.at(level + 1, halfway.place, receiver),
+                slownesses if distance > 0.0 else [0.0],
+                tolerance,
+                must=receiver in passed or level >= MOST_LEVELS,
+            )
+            if found is not None:
+                passed.setdefault(receiver, level)
+            if found is None or level < passed[receiver] + beyond:
+                waiting.append(receiver)
+                continue
+            made[receiver] = TransferBlock(
+                **common.fields(samples, level),
+                transfer=np.array(samples.at(level, blocks.indices(fits.block, level), receiver)),
                 receiver="rail" if receiver == "rail" else "ground",
                 offset=np.nan if receiver == "rail" else float(receiver),
                 distance=distance,
-                reference_slowness=0.0,
-                interpolation_error=np.nan,
+                reference_slowness=found[0],
+                interpolation_error=found[1],
             )
-            candidates = slownesses if distance > 0.0 else [0.0]
-            between = _interpolated(table, samples.track, f_halfway, candidates)
-            errors = [float((np.abs(each - direct[receiver]) / size).max()) for each in between]
-            best = replace(
-                table,
-                reference_slowness=candidates[int(np.argmin(errors))],
-                interpolation_error=min(errors),
-            )
-            if best.interpolation_error <= tolerance or level == MOST_LEVELS:
-                passed.setdefault(receiver, level)
-            if level >= passed.get(receiver, MOST_LEVELS) + beyond:
-                made[receiver] = best
-    return made
-
-
-def _interpolated(
-    table: TransferBlock, track: Track, frequency: np.ndarray, slownesses: list[float]
-) -> list[np.ndarray]:
-    """Return what a table gives between its frequencies with each of some reference slownesses."""
-    first, weight = blocks.stencils(table.block, table.level, frequency)
-    rows = np.unique(first[:, None] + np.arange(blocks.STENCIL))
-
-    def between(values: np.ndarray, level: int) -> np.ndarray:
-        return blocks.combined(np.searchsorted(rows, first), weight, values)
-
-    near = replace(
-        table,
-        frequency=table.frequency[rows],
-        wavenumber=table.wavenumber[rows],
-        transfer=table.transfer[rows],
-        compliance=None if table.compliance is None else table.compliance[rows],
-    )
-    near.reduced(track)  # once for all reference waves
-    functions = [TransferFunction([near.referred_to(slowness)], track) for slowness in slownesses]
-    beta = table.nodes.wavenumber(frequency)
-    return list(loaded(functions, table.block, frequency, beta, between))
+            if len(made) == _AT_ONCE:
+                yield made
+                made = {}
+        if made:
+            yield made
+        pending = waiting
 
 
 def _rational_form(fits: GroundFits, level: int, ks: np.ndarray) -> dict[str, np.ndarray]:

@@ -13,7 +13,7 @@ exactly: rails on pads resonate more sharply than damped ground, and would ask f
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numba
@@ -134,14 +134,6 @@ class TransferBlock:
     def rows(self, value: np.ndarray) -> Rows:
         """Return values at the table's frequencies and nodes for interpolation at scattered points."""
         return Rows(self.block, self.level, self.top_slowness, self.largest, self.edge, value)
-
-    def referred_to(self, slowness: float) -> "TransferBlock":
-        """Return the table with another reference wave, and with what has been reduced so far."""
-        other = replace(self, reference_slowness=slowness)
-        for track, value in self._reduced.items():
-            taken_out = _phase(other, self.frequency, self.wavenumber)
-            other._reduced[track] = value * (_phase(self, self.frequency, self.wavenumber) / taken_out)
-        return other
 
     def shortfall(self, tolerance: float) -> str | None:
         """Return what to say where the table misses a tolerance, else None."""

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
-from weakref import WeakValueDictionary
+from weakref import WeakValueDictionary, finalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,9 +65,8 @@ class Written:
 
 @dataclasses.dataclass(frozen=True)
 class _Stored:
-    """An array, what became of it, and the key below which it lies."""
+    """What became of an array, and the key below which it lies."""
 
-    array: NDArray[Any]
     encoded: zarr_form.Encoded
     checksum: dict[str, Any]
     key: str
@@ -77,7 +76,8 @@ class Writer:
     """Writes results as groups of the store at `home`.
 
     An array that several results have in common, the same object in memory, is encoded and stored once: where
-    the file system can, its files are given another name in the groups of the others.
+    the file system can, its files are given another name in the groups of the others. What became of an array
+    is known as long as somebody holds it.
     """
 
     def __init__(self, home: records.Home) -> None:
@@ -124,8 +124,9 @@ class Writer:
         written = place.put(f"{STORE}/{group}", objects, same)
         for each, (array, _) in arrays.items():
             if before[each] is None:
-                key = f"{STORE}/{group}/{each}"
-                self._stored[each, id(array)] = _Stored(array, encoded[each], checksums[each], key)
+                key = each, id(array)
+                self._stored[key] = _Stored(encoded[each], checksums[each], f"{STORE}/{group}/{each}")
+                finalize(array, self._stored.pop, key, None).atexit = False
         return Written(group, checksums, said, objects, written)
 
 

@@ -206,6 +206,7 @@ def _compute(
     if not missing:
         return
     batches = kinds[missing[0].kind].compute(missing, Reader(place, kinds))
+    writers = {home: store.Writer(home) for home in place.homes}
     while True:
         cpu, wall = time.process_time(), time.perf_counter()
         with cost.collect() as costs, warnings.catch_warnings(record=True) as caught:
@@ -216,7 +217,7 @@ def _compute(
             return
         _complete(costs, time.perf_counter() - wall, time.process_time() - cpu)
         cautions = [str(each.message) for each in caught if issubclass(each.category, AccuracyWarning)]
-        yield from _record(batch, costs, cautions, kinds, place, started)
+        yield from _record(batch, costs, cautions, kinds, place, writers, started)
         del batch  # before the next one takes its memory
 
 
@@ -226,16 +227,15 @@ def _record(
     cautions: list[str],
     kinds: Mapping[str, Kind],
     place: Place,
+    writers: Mapping[str, store.Writer],
     started: str,
 ) -> Iterator[tuple[bool, int, list[str]]]:
     """Store and commit a batch; yield what `_compute` does."""
     stored = []
-    writers: dict[str, store.Writer] = {}
     for unit, result in batch.items():
         shares = _share(unit, batch, costs, kinds)
         home = place.home(unit, kinds[unit.kind])
-        writer = writers.setdefault(home, store.Writer(home))
-        record, written = _store(unit, result, shares, cautions, place, writer, started)
+        record, written = _store(unit, result, shares, cautions, place, writers[home], started)
         stored.append((unit, home, record, written))
     # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
     # computed again as a whole.

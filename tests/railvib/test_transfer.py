@@ -5,7 +5,7 @@ independence.
 import numpy as np
 import pytest
 
-from railvib import blocks
+from railvib import blocks, tabulation
 from railvib.ground import Ground, Layer
 from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.rational_fit import RationalFit
@@ -84,6 +84,20 @@ def test_blocks_join(functions):
             assert np.abs(sides[0] - sides[1]).max() < 1e-4 * np.abs(sides[0]).max()
 
 
+def test_many_receivers_are_handed_on_some_at_a_time(functions, track):
+    """With the same arrays of what they have in common, and the same values as alone."""
+    made = list(tabulation.transfer_blocks_by_class(SOFT, track, -3, np.linspace(8.5, 15.5, 41).tolist()))
+    assert sum(map(len, made)) == 41
+    assert max(map(len, made)) <= 8
+    tables = {receiver: table for batch in made for receiver, table in batch.items()}
+    for table in tables.values():
+        assert table.compliance is tables[8.5].compliance
+        assert table.wavenumber is tables[8.5].wavenumber
+    alone = transfer_blocks(SOFT, track, -3, [15.5])[15.5]
+    for name in ("frequency", "wavenumber", "transfer", "compliance", "pole"):
+        np.testing.assert_array_equal(getattr(alone, name), getattr(tables[15.5], name))
+
+
 def test_a_receiver_does_not_depend_on_the_others(functions, track):
     alone = transfer_blocks(SOFT, track, 1, [5.0])[5.0]
     together = functions[5.0].blocks[1]
@@ -101,9 +115,28 @@ def test_certificates(functions):
             assert not table.quadrature.any()
 
 
+@pytest.mark.parametrize("receiver", RECEIVERS)
+def test_the_error_that_a_table_states_is_that_of_what_is_read_from_it(receiver, functions, track):
+    """Half-way between its frequencies, against direct values, with another code that interpolates."""
+    for block in (-3, 0, 2):
+        table = functions[receiver].blocks[block]
+        places = blocks.halfway(block, table.level, 5)
+        f = blocks.frequency(table.level + 1, places)
+        beta, found = functions[receiver].at(block, f)
+        offset = 0.0 if receiver == "rail" else receiver
+        evaluate = tabulation.Evaluation(tabulation.GroundFits(SOFT, block, 1e-10), track, [offset], 1e-4)
+        values = np.array(
+            [evaluate(table.level + 1, int(k), row) for k, row in zip(places, beta, strict=True)]
+        )
+        direct = values[:, evaluate.row(receiver)]
+        under = values[:, evaluate.row("rail" if receiver == "rail" else 0.0)]
+        size = np.maximum(np.abs(direct), 1e-8 * np.abs(under).max(axis=1, keepdims=True))
+        error = (np.abs(found - direct) / size).max()
+        assert error == pytest.approx(table.interpolation_error, rel=1e-3, abs=1e-11)
+
+
 def test_quadrature_takes_over_where_the_fit_fails(track, monkeypatch):
     """A fit that misses its tolerance is not used: quadrature gives the same, and the record says so."""
-    from railvib import tabulation
 
     def failing(self, level, k):
         return RationalFit(np.array([1j]), np.array([1.0 + 0j]), 0j, 1.0, np.array([0.0]))

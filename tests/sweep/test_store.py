@@ -252,6 +252,17 @@ def test_what_results_have_in_common_is_stored_once(tmp_path, spectrum, monkeypa
             assert dataset.transfer.dims == ("frequency", "node")
 
 
+def test_an_array_in_the_place_of_one_that_is_gone_is_another(tmp_path, spectrum):
+    writer = store.Writer(tmp_path)
+    written = []
+    for factor in range(20):  # each product takes the memory of the one before
+        made = dataclasses.replace(spectrum, transfer=factor * spectrum.transfer)
+        written.append(writer("spectrum/1", made, {}))
+        del made
+    for factor, each in enumerate(written):
+        np.testing.assert_array_equal(read(tmp_path, each).transfer, factor * spectrum.transfer)
+
+
 def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path, spectrum):
     writer = store.Writer(tmp_path)
     other = dataclasses.replace(spectrum, transfer=2.0 * spectrum.transfer)
