@@ -88,15 +88,17 @@ class Reader:
                 for place, key in enumerate(keys)
                 if wanted(self._said.narrow_band, approach, key["receiver"], key["offset_m"])
             ]
-            numbered = list(enumerate(kept, self._series))
-            self._series += len(kept)
-            self._writer.rows(
-                "series", [{**head, **keys[place], "series_id": number} for number, place in numbered]
-            )
             if kept:
+                numbers = np.arange(self._series, self._series + len(kept))
+                self._series += len(kept)
+                self._writer.stretches(
+                    "series",
+                    [{**head, **keys[place]} for place in kept],
+                    {"series_id": numbers[:, None]},
+                )
                 self._writer.stretches(
                     "psd_lines",
-                    [{"series_id": number} for number, _ in numbered],
+                    [{"series_id": number} for number in numbers.tolist()],
                     {
                         "frequency_hz": np.broadcast_to(frequency, (len(kept), frequency.size)),
                         "value": np.asarray(arrays["psd"], dtype=float)[kept],

@@ -1,43 +1,22 @@
-"""What the report draws: levels, lines, receptances and costs as compact arrays, all from the database.
+"""What the report draws: levels, spectra, receptances and costs as compact arrays, all from the database."""
 
-Levels go as whole hundredths of a decibel. Narrow-band spectra go line by line while they fit into their
-share of the page; beyond it each is thinned to the smallest and the largest line of every bin of frequency,
-which keeps peaks and dips where they are, and the page says so.
-"""
-
-import base64
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import duckdb
 import numpy as np
 from numpy.typing import NDArray
 
-from queries import compare
+from queries import compare, page_spectra
 from queries.lines import approach_line
+from queries.packing import NONE, hundredths, text
+from queries.page_spectra import CONTRIBUTIONS, Sizes
 from queries.table import band
 
-LINES_BYTES = 3_000_000
-"""Share of the page for narrow-band spectra, before it is written as text."""
-MOST_BINS, FEW_BINS, LEAST_BINS = 1000, 300, 100
-"""Bins of a thinned spectrum: at most, so few that only dynamic ones are shown, or fewer cases."""
-_CASES_AT_ONCE = 2
-"""Cases whose spectra are read by one query."""
-CONTRIBUTIONS = ("dynamic", "quasi-static", "total")
-_NONE = -32768
 _SYMBOLS = {"o": "circle", "s": "square", "D": "diamond", "^": "triangle-up", "v": "triangle-down", "x": "x"}
 _AXES = ("soil", "track", "train", "unevenness", "speed_kmh")
 
 Data = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class _Sizes:
-    cases: int
-    approaches: int
-    receivers: int
-    bands: int
 
 
 def data(connection: duckdb.DuckDBPyConnection) -> Data:
@@ -58,7 +37,7 @@ def data(connection: duckdb.DuckDBPyConnection) -> Data:
         "bands": bands,
         "band_names": [band(value) for value in bands],
         "levels": _levels(connection, sizes),
-        "lines": _lines(connection, sizes),
+        "lines": page_spectra.spectra(connection, sizes),
         "receptances": _receptances(connection),
         "unevenness": _unevenness(connection),
         "costs": _costs(connection),
@@ -66,7 +45,7 @@ def data(connection: duckdb.DuckDBPyConnection) -> Data:
     }
 
 
-def _number(connection: duckdb.DuckDBPyConnection, approaches: list[str]) -> _Sizes:
+def _number(connection: duckdb.DuckDBPyConnection, approaches: list[str]) -> Sizes:
     """Give cases, approaches, receivers and bands their numbers on the page, in tables of this connection."""
     contributions = ", ".join(f"('{name}', {number})" for number, name in enumerate(CONTRIBUTIONS))
     place = "CASE receiver WHEN 'rail' THEN 0 WHEN 'ground' THEN 1 ELSE 2 END"
@@ -88,7 +67,7 @@ def _number(connection: duckdb.DuckDBPyConnection, approaches: list[str]) -> _Si
         connection.execute(f"SELECT count(*) FROM page_{name}").fetchone() or (0,)
         for name in ("cases", "approaches", "receivers", "bands")
     ]
-    return _Sizes(*(int(row[0]) for row in counts))
+    return Sizes(*(int(row[0]) for row in counts))
 
 
 def _style(approach: str) -> Data:
@@ -130,7 +109,7 @@ def _place(receiver: str, offset: float | None) -> str:
     return receiver.replace("axle-", "axle ") + (" (leading)" if receiver == "axle-1" else "")
 
 
-def _levels(connection: duckdb.DuckDBPyConnection, sizes: _Sizes) -> str:
+def _levels(connection: duckdb.DuckDBPyConnection, sizes: Sizes) -> str:
     """Return levels over (case, approach, contribution, receiver, band)."""
     shape = (sizes.cases, sizes.approaches, len(CONTRIBUTIONS), sizes.receivers, sizes.bands)
     found = connection.execute(
@@ -143,135 +122,9 @@ def _levels(connection: duckdb.DuckDBPyConnection, sizes: _Sizes) -> str:
         "AND page_receivers.offset_m IS NOT DISTINCT FROM levels.offset_m "
         "WHERE averaging = 'line' AND level_db IS NOT NULL"
     ).fetchnumpy()
-    packed = np.full(math.prod(shape), _NONE, dtype="<i2")
-    packed[np.asarray(found["place"])] = _hundredths(found["level_db"])
-    return _text(packed)
-
-
-def _lines(connection: duckdb.DuckDBPyConnection, sizes: _Sizes) -> Data:
-    """Return narrow-band spectra, all lines of each or the extremes of bins, with what was done to them.
-
-    Spectra of one case share their frequencies; a spectrum is numbered by (case, approach, contribution,
-    receiver), and lies in the packed array where `at` says.
-    """
-    which = (
-        "series JOIN current_units USING (source, unit_id, case_id, approach) JOIN page_cases USING "
-        "(case_id) "
-        "JOIN page_approaches USING (approach) JOIN page_contributions USING (contribution) "
-        "JOIN page_receivers ON page_receivers.quantity = series.quantity "
-        "AND page_receivers.receiver = series.receiver "
-        "AND page_receivers.offset_m IS NOT DISTINCT FROM series.offset_m "
-        "WHERE averaging = 'line' AND series.receiver IN ('rail', 'ground', 'axle-1', 'axle-2')"
-    )
-    connection.execute(
-        "CREATE OR REPLACE TEMP TABLE page_series AS SELECT series_id, page_cases.number AS case_number, "
-        "contribution, "
-        f"(page_cases.number * {sizes.approaches} + page_approaches.number) * {len(CONTRIBUTIONS)} "
-        f"+ page_contributions.number AS place, page_receivers.number AS receiver FROM {which}"
-    )
-    connection.execute(
-        "CREATE OR REPLACE TEMP TABLE page_grids AS SELECT case_number, min(frequency_hz) AS first, "
-        "max(frequency_hz) AS last, count(*) / count(DISTINCT series_id) AS lines "
-        "FROM psd_lines JOIN (SELECT case_number, min(series_id) AS series_id FROM page_series "
-        "GROUP BY case_number) USING (series_id) WHERE frequency_hz > 0 GROUP BY case_number"
-    )
-    row = connection.execute(
-        "SELECT (SELECT count(*) FROM page_series), (SELECT count(*) FROM page_series WHERE contribution = "
-        "'dynamic'), (SELECT coalesce(max(lines), 0) FROM page_grids), (SELECT count(*) FROM page_grids)"
-    ).fetchone()
-    every, dynamic, most_lines, cases = map(int, row or (0, 0, 0, 0))
-    plan = _Thinning.of(every, dynamic, most_lines, cases)
-    return plan.said() | {"spectra": _packed(connection, plan, sizes)}
-
-
-@dataclass(frozen=True)
-class _Thinning:
-    """How narrow-band spectra are made to fit: bins (0: every line), contributions, and cases."""
-
-    bins: int
-    dynamic_only: bool
-    cases: int
-    of_cases: int
-    lines: int
-
-    @staticmethod
-    def of(every: int, dynamic: int, lines: int, cases: int) -> "_Thinning":
-        if every * lines * 2 <= LINES_BYTES:
-            return _Thinning(0, False, cases, cases, lines)
-        bins = LINES_BYTES // (4 * max(every, 1))
-        if bins >= FEW_BINS:
-            return _Thinning(min(bins, MOST_BINS), False, cases, cases, lines)
-        bins = LINES_BYTES // (4 * max(dynamic, 1))
-        if bins >= LEAST_BINS:
-            return _Thinning(min(bins, MOST_BINS), True, cases, cases, lines)
-        shown = max(1, LINES_BYTES * cases // (4 * LEAST_BINS * max(dynamic, 1)))
-        return _Thinning(LEAST_BINS, True, shown, cases, lines)
-
-    def said(self) -> Data:
-        """Return the plan as the page tells it."""
-        return {
-            "bins": self.bins,
-            "dynamic_only": self.dynamic_only,
-            "cases": self.cases,
-            "of_cases": self.of_cases,
-            "lines": self.lines,
-        }
-
-
-def _packed(connection: duckdb.DuckDBPyConnection, plan: _Thinning, sizes: _Sizes) -> list[Data]:
-    """Return the spectra of each shown case: frequencies, and levels of all lines or extremes of bins."""
-    numbers = [
-        row[0] for row in connection.execute("SELECT case_number FROM page_grids ORDER BY 1").fetchall()
-    ]
-    if plan.cases < len(numbers):
-        numbers = [numbers[round(at)] for at in np.linspace(0, len(numbers) - 1, plan.cases)]
-    chosen = "case_number = $1" + (" AND contribution = 'dynamic'" if plan.dynamic_only else "")
-    level = "decibel(CASE WHEN page_receivers.quantity = 'wheel_rail_force' THEN {0} ELSE {0} * 1e18 END)"
-    if plan.bins:
-        position = f"least({plan.bins - 1}, floor({plan.bins} * ln(frequency_hz / first) / ln(last / first)))"
-        select = (
-            f"SELECT case_number, place, receiver, {position}::INTEGER AS spot, min(value) AS low, "
-            "max(value) AS high"
-        )
-        group = "GROUP BY ALL"
-    else:
-        select = "SELECT case_number, place, receiver, frequency_hz AS spot, value AS low, value AS high"
-        group = ""
-    query = (
-        f"WITH lines AS ({select} FROM psd_lines JOIN page_series USING (series_id) "
-        f"JOIN page_grids USING (case_number) WHERE {chosen} AND frequency_hz > 0 {group}) "
-        "SELECT place, lines.receiver, spot, first, last, "
-        f"{level.format('low')} AS low, {level.format('high')} AS high FROM lines "
-        "JOIN page_receivers ON page_receivers.number = lines.receiver JOIN page_grids USING (case_number)"
-    )
-    spectra = []
-    for number in numbers:  # one after the other: their lines would take ten times the memory of the page
-        found = connection.execute(query, [number]).fetchnumpy()
-        columns = {name: _filled(array) for name, array in found.items()}
-        spectra.append({"case": int(number), **_spectra_of_case(columns, plan, sizes)})
-    return spectra
-
-
-def _spectra_of_case(columns: dict[str, NDArray[Any]], plan: _Thinning, sizes: _Sizes) -> Data:
-    key = columns["place"].astype(np.int64) * sizes.receivers + columns["receiver"].astype(np.int64)
-    ids, inverse = np.unique(key, return_inverse=True)
-    at = columns["spot"]
-    if plan.bins:
-        first, last = columns["first"][0], columns["last"][0]
-        frequency = first * (last / first) ** ((np.arange(plan.bins) + 0.5) / plan.bins)
-        packed = np.full((ids.size, plan.bins, 2), _NONE, dtype="<i2")
-        packed[inverse, at.astype(int), 0] = _hundredths(columns["low"])
-        packed[inverse, at.astype(int), 1] = _hundredths(columns["high"])
-    else:
-        frequency, place = np.unique(at, return_inverse=True)
-        packed = np.full((ids.size, frequency.size), _NONE, dtype="<i2")
-        packed[inverse, place] = _hundredths(columns["high"])
-    return {
-        "places": (ids // sizes.receivers % (sizes.approaches * len(CONTRIBUTIONS))).tolist(),
-        "receivers": (ids % sizes.receivers).tolist(),
-        "frequency": [float(f"{value:.6g}") for value in frequency],
-        "levels": _text(packed),
-    }
+    packed = np.full(math.prod(shape), NONE, dtype="<i2")
+    packed[np.asarray(found["place"])] = hundredths(found["level_db"])
+    return text(packed)
 
 
 def _receptances(connection: duckdb.DuckDBPyConnection) -> list[Data]:
@@ -344,20 +197,5 @@ def _trains(connection: duckdb.DuckDBPyConnection) -> dict[str, Data]:
     }
 
 
-def _filled(array: Any) -> NDArray[Any]:
-    if isinstance(array, np.ma.MaskedArray):
-        return np.asarray(array.filled(np.nan if array.dtype.kind == "f" else 0))
-    return np.asarray(array)
-
-
-def _hundredths(level: Any) -> NDArray[np.int16]:
-    value = np.round(100.0 * np.asarray(_filled(level), dtype=float))
-    return np.where(np.isfinite(value), np.clip(value, _NONE + 1, -_NONE - 1), _NONE).astype("<i2")
-
-
 def _rounded(values: NDArray[Any]) -> list[float]:
     return [float(f"{value:.5g}") for value in values]
-
-
-def _text(array: NDArray[Any]) -> str:
-    return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode("ascii")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 _NUMBERS = ("INTEGER", "BIGINT", "DOUBLE")
 _HELD_ROWS = 400_000
-"""Rows that are held in memory before they are inserted, some 10 MB."""
+"""Rows of a table that are held in memory before they are inserted, some 10 MB."""
 
 
 @dataclass
@@ -19,6 +19,7 @@ class _Held:
 
     heads: list[Mapping[str, Any]] = field(default_factory=list)
     sizes: list[int] = field(default_factory=list)
+    rows: int = 0
     numbers: dict[str, list[NDArray[Any]]] = field(default_factory=dict)
 
 
@@ -63,30 +64,32 @@ class Writer:
             size = array.shape[1]
         held.heads += heads
         held.sizes += [size] * len(heads)
-        if sum(held.sizes) > _HELD_ROWS:
-            self.flush()
+        held.rows += size * len(heads)
+        if held.rows > _HELD_ROWS:
+            self._flush(table)
 
     def flush(self) -> None:
-        """Insert what is held, for good: the memory of a transaction grows with its rows."""
-        for table, held in self._held.items():
-            numbers = {name: np.concatenate(parts) for name, parts in held.numbers.items()}
-            shared = [(name, kind) for name, kind in self._columns[table] if name not in numbers]
-            words = [(name, kind) for name, kind in shared if kind not in _NUMBERS]
-            expressions = [_received(name, kind) for name, kind in self._columns[table]]
-            if words:
-                numbers["head"] = np.repeat(np.arange(len(held.heads), dtype=np.int32), held.sizes)
-                heads = _sent(shared, held.heads)
-                self.connection.register(
-                    "heads", {**heads, "head": np.arange(len(held.heads), dtype=np.int32)}
-                )
-                source = "given JOIN heads USING (head)"
-            else:  # numbers alone need no join
-                for name, sent in _sent(shared, held.heads).items():
-                    numbers[name] = np.repeat(sent, held.sizes)
-                source = "given"
-            self.connection.register("given", numbers)
-            self._insert(table, expressions, source)
-        self._held.clear()
+        """Insert all that is held, for good."""
+        for table in list(self._held):
+            self._flush(table)
+
+    def _flush(self, table: str) -> None:
+        """Insert what is held of a table, for good: the memory of a transaction grows with its rows."""
+        held = self._held.pop(table)
+        numbers = {name: np.concatenate(parts) for name, parts in held.numbers.items()}
+        shared = [(name, kind) for name, kind in self._columns[table] if name not in numbers]
+        words = [(name, kind) for name, kind in shared if kind not in _NUMBERS]
+        if words:
+            numbers["head"] = np.repeat(np.arange(len(held.heads), dtype=np.int32), held.sizes)
+            heads = _sent(shared, held.heads)
+            self.connection.register("heads", {**heads, "head": np.arange(len(held.heads), dtype=np.int32)})
+            source = "given JOIN heads USING (head)"
+        else:  # numbers alone need no join
+            for name, sent in _sent(shared, held.heads).items():
+                numbers[name] = np.repeat(sent, held.sizes)
+            source = "given"
+        self.connection.register("given", numbers)
+        self._insert(table, [_received(name, kind) for name, kind in self._columns[table]], source)
         self.connection.commit()
         self.connection.begin()
 

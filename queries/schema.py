@@ -29,7 +29,9 @@ def create(path: Path) -> duckdb.DuckDBPyConnection:
 
 def open_for_writing(path: Path) -> duckdb.DuckDBPyConnection:
     """Return a connection that writes a file in the storage format of the oldest supported reader."""
-    return duckdb.connect(str(path), config={"storage_compatibility_version": STORAGE_VERSION})
+    # Rows come from NumPy one stretch after the other: more threads would only wait for each other.
+    config: dict[str, Any] = {"storage_compatibility_version": STORAGE_VERSION, "threads": 1}
+    return duckdb.connect(str(path), config=config)
 
 
 def upgrade(connection: duckdb.DuckDBPyConnection) -> None:

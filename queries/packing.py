@@ -1,0 +1,28 @@
+"""Arrays of the page in few bytes: levels as whole hundredths of a decibel, as text in base 64."""
+
+import base64
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+NONE = -32768
+"""What stands for a level that is not there."""
+
+
+def filled(array: Any) -> NDArray[Any]:
+    """Return a column as DuckDB gives it, with NaN or 0 in place of NULL."""
+    if isinstance(array, np.ma.MaskedArray):
+        return np.asarray(array.filled(np.nan if array.dtype.kind == "f" else 0))
+    return np.asarray(array)
+
+
+def hundredths(level: Any) -> NDArray[np.int16]:
+    """Return levels in dB as whole hundredths."""
+    value = np.round(100.0 * np.asarray(filled(level), dtype=float))
+    return np.where(np.isfinite(value), np.clip(value, NONE + 1, -NONE - 1), NONE).astype("<i2")
+
+
+def text(array: NDArray[Any]) -> str:
+    """Return the bytes of an array as text."""
+    return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode("ascii")
