@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas
 
+    from queries.publisher import Publisher
+
 
 class Results:
     """Published results, for a notebook; every answer is a pandas DataFrame."""
@@ -78,8 +80,8 @@ def open(named: Path | str) -> Results:
     return Results(named)
 
 
-def after_run(directory: Path | str) -> None:
-    """Publish the results of a run that has just ended and print them, see `queries.publication`."""
-    from queries.publication import after_run as publish_and_print
+def after_run(directory: Path | str) -> "Publisher":
+    """Return who publishes the results of a run directory."""
+    from queries.publisher import Publisher
 
-    publish_and_print(Path(directory))
+    return Publisher(directory)

@@ -2,17 +2,16 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import duckdb
+from rich.console import Console
+from rich.text import Text
 
-from queries import compare, database, summary
+from queries import compare, database, figures, report, summary
 from queries.compare import Levels, Pair
+from queries.crew import Crew
 from queries.database import Place, ResultsError
-from queries.ingest import ingest, is_outdated
-
-if TYPE_CHECKING:
-    from rich.console import Console
+from queries.ingest import ingest
 
 STORE = "transfer_functions.zarr"
 
@@ -23,35 +22,35 @@ def refresh(named: Path | str) -> None:
         ingest(named)
 
 
-def after_run(directory: Path) -> None:
+def publish(directory: Path, crew: Crew) -> None:
     """Publish database, figures and report of a run directory, and print the comparison.
 
     A report that shows the published snapshot is left alone; figures are redrawn only where results changed.
+
+    Parameters
+    ----------
+    directory
+        Of the run.
+    crew
+        Draws the figures while the report is made.
     """
-    from rich.console import Console
-
-    from queries import figures, report
-    from queries.crew import WORKERS, Crew
-
     place = database.locate(directory)
-    # Whoever draws loads the plotting library while the database is made, and draws while the report is.
-    with Crew(WORKERS if is_outdated(directory) else 0) as crew:
-        ingest(directory)
-        with database.connect(directory, bounded=True) as connection:
-            now, before = database.snapshot(connection), report.shown(place.report)
-            stale = before[1:] != now[1:] or not figures.drawn(connection, place.figures)
-            drawing = crew.start(place.path, place.figures) if stale else None
-            if before != now:
-                report.write(connection, place.report)
-            if drawing is not None:
-                drawing()
-            show(connection, place, Console())
+    ingest(directory)
+    with database.connect(directory, bounded=True) as connection:
+        now, before = database.snapshot(connection), report.shown(place.report)
+        stale = before[1:] != now[1:] or not figures.drawn(connection, place.figures)
+        drawing = crew.start(place.path, place.figures) if stale else None
+        if before != now:
+            report.write(connection, place.report)
+        if drawing is not None:
+            drawing()
+        show(connection, place, Console())
 
 
 def show(
     connection: duckdb.DuckDBPyConnection,
     place: Place,
-    console: "Console",
+    console: Console,
     approach: str | None = None,
     reference: str | None = None,
     by: Sequence[str] | None = None,
@@ -77,8 +76,6 @@ def show(
     ResultsError
         If the results have no such approach, or cannot be grouped so.
     """
-    from rich.text import Text
-
     known = compare.approaches(connection)
     for name in (approach, reference):
         if name is not None and name not in known:
@@ -108,7 +105,7 @@ def show_runs(
     named: Path,
     other: str,
     run_id: str | None,
-    console: "Console",
+    console: Console,
     by: Sequence[str] | None = None,
     contribution: str = "dynamic",
 ) -> None:

@@ -8,10 +8,10 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
@@ -25,11 +25,23 @@ if TYPE_CHECKING:
     from sweep.study import Resolved
 
 AFTER_RUN = "railvib.after_run"
+"""Group of entry points that publish results: called with a run directory each gives a `Publisher`."""
 KINDS = "sweep.units"
 VERIFY = "railvib.verify"
 STUDY = click.Path(dir_okay=False, path_type=Path)
 _RUNS = Path("runs")
 DIRECTORY = click.Path(file_okay=False, path_type=Path)
+
+
+class Publisher(AbstractContextManager[Any], Protocol):
+    """Publishes the results of a run; leaving its context ends all that it has started."""
+
+    def get_ready(self) -> None:
+        """Begin with what publishing needs; called once no task waits any more, and does not wait."""
+
+    def publish(self) -> None:
+        """Publish what is there when a run has ended."""
+
 
 STORED = click.option(
     "--store",
@@ -212,9 +224,18 @@ def _run(
                 request = request.resting_on(failures)
             tasks, cases = len(request.plan.tasks), len(request.cases)
             click.echo(f"{cases} cases, {len(request.plan.units)} units, {tasks} tasks to run", err=True)
-            exit_status = execute(request, directory, launched, _estimate(request).document, cautions)
-            for hook in metadata.entry_points(group=AFTER_RUN):
-                hook.load()(directory)
+            with ExitStack() as stack:
+                hooks = [hook.load()(directory) for hook in metadata.entry_points(group=AFTER_RUN)]
+                publishers: list[Publisher] = [stack.enter_context(hook) for hook in hooks]
+
+                def near_end() -> None:
+                    for publisher in publishers:
+                        publisher.get_ready()
+
+                planned = _estimate(request).document
+                exit_status = execute(request, directory, launched, planned, cautions, near_end)
+                for publisher in publishers:
+                    publisher.publish()
     except KeyboardInterrupt:
         click.echo(f"interrupted; what is done is kept. Continue with: railvib resume {directory}", err=True)
         sys.exit(INTERRUPTED)

@@ -152,6 +152,7 @@ def execute(
     launch: Launch,
     planned: Mapping[str, Any] | None = None,
     cautions: Callable[[], list[str]] = list,
+    near_end: Callable[[], None] = lambda: None,
 ) -> int:
     """Compute what is missing, and leave the manifest; return the exit status.
 
@@ -167,6 +168,8 @@ def execute(
         What it will take, for the manifest.
     cautions
         Gives what is implausible in the study, as soon as that is known; shown before the first result.
+    near_end
+        Called when no more tasks are left than can run at once, if there have been more.
     """
     run_id = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{secrets.token_hex(4)}"
     manifest = _manifest(request, run_id, launch) | {"planned": planned, "measured": None}
@@ -178,7 +181,7 @@ def execute(
     began = time.perf_counter()
     tallies: list[Tally] = []
     try:
-        status = _compute(request, directory, run_id, launch, tallies, cautions)
+        status = _compute(request, directory, run_id, launch, tallies, cautions, near_end)
     except Exception:
         status = FAILED
         raise
@@ -220,6 +223,7 @@ def _compute(
     launch: Launch,
     tallies: list["Tally"],
     cautions: Callable[[], list[str]],
+    near_end: Callable[[], None],
 ) -> int:
     """Run the missing tasks, if any, and add a tally of each go.
 
@@ -245,7 +249,7 @@ def _compute(
         asked = {unit.id for task in tasks.values() for unit in task.units}
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
         with launch.crew(len(tasks), units.__name__, directory) as crew, Display(len(tasks)) as display:
-            unsaid = [cautions]
+            unsaid, to_come = [cautions], [near_end]
 
             def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
                 while unsaid:  # what is implausible has been found while the first task ran
@@ -254,6 +258,8 @@ def _compute(
                 if not tallies or tallies[-1] is not tally:
                     tallies.append(tally)
                 display.update(task, outcome, tally)
+                while to_come and tally.total - tally.settled <= crew.size:
+                    to_come.pop()()
                 log.write(
                     outcome.status,
                     task=task.key,

@@ -3,6 +3,7 @@
 import base64
 import html.parser
 import json
+import multiprocessing
 import re
 import shutil
 
@@ -12,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 import queries
-from queries import cli, database, figures, page_data
+from queries import cli, database, figures, page_spectra
 from queries.database import ResultsError
 from sweep import records
 
@@ -139,9 +140,14 @@ def test_a_failure_is_said_in_the_report(study):
     assert "full lacks results in 2 of 2 cases (ArithmeticError: no <b>solution</b>)" in words
 
 
+def publish(directory):
+    with queries.after_run(directory) as publisher:
+        publisher.publish()
+
+
 def test_after_a_run_everything_is_there_and_shown(study, capsys):
     directory = study.write(lines=20)
-    queries.after_run(directory)
+    publish(directory)
     shown = capsys.readouterr().out
     assert "Error of moving-roughness against full" in shown
     for place in ("results.duckdb", "report.html", "figures", "transfer_functions.zarr"):
@@ -151,35 +157,55 @@ def test_after_a_run_everything_is_there_and_shown(study, capsys):
 
 def test_after_a_run_that_added_nothing_figures_stay_and_the_report_names_the_run(study, capsys):
     directory = study.write(lines=20)
-    queries.after_run(directory)
+    publish(directory)
     before = {path: path.stat().st_mtime_ns for path in (directory / "figures").iterdir()}
     study.write(lines=20, run_id="run-2", started="2026-03-02T08:00:00+00:00")
-    queries.after_run(directory)
+    publish(directory)
     assert {path: path.stat().st_mtime_ns for path in (directory / "figures").iterdir()} == before
     report = directory / "report.html"
     assert "run-2" in report.read_text(encoding="utf-8")
     written = report.stat().st_mtime_ns
-    queries.after_run(directory)
+    publish(directory)
     assert report.stat().st_mtime_ns == written
     assert capsys.readouterr().out.count("Cost per case") == 3
 
 
 def test_after_a_run_that_changed_results_figures_are_drawn_anew(study):
     directory = study.write(lines=20)
-    queries.after_run(directory)
+    publish(directory)
     before = (directory / "figures" / "figure-03-unevenness.png").stat().st_mtime_ns
     study.write(lines=20, run_id="run-2", started="2026-03-02T08:00:00+00:00", speeds=(150.0, 200.0))
-    queries.after_run(directory)
+    publish(directory)
     assert (directory / "figures" / "figure-03-unevenness.png").stat().st_mtime_ns > before
 
 
 def test_figures_that_were_removed_come_back(study):
     directory = study.write(lines=20)
-    queries.after_run(directory)
+    publish(directory)
     shutil.rmtree(directory / "figures")
     (directory / "report.html").unlink()
-    queries.after_run(directory)
+    publish(directory)
     assert len(list((directory / "figures").iterdir())) == 1
+
+
+def test_publishing_that_is_given_notice_leaves_the_same_and_no_process(study, monkeypatch):
+    monkeypatch.setattr("queries.publisher.WORKERS", 2)
+    directory = study.write(lines=20)
+    publish(directory)
+    figure = directory / "figures" / "figure-03-unevenness.png"
+    before = figure.read_bytes()
+    shutil.rmtree(directory / "figures")
+    (directory / "report.html").unlink()
+    with queries.after_run(directory) as publisher:
+        publisher.get_ready()
+        publisher.publish()
+    assert figure.read_bytes() == before
+    assert (directory / "report.html").exists()
+    with queries.after_run(directory) as publisher:
+        publisher.get_ready()  # and then the run is interrupted
+        (process,) = multiprocessing.active_children()
+    assert process.exitcode is not None
+    assert multiprocessing.active_children() == []
 
 
 @pytest.mark.parametrize("command", [cli.ingest, cli.compare, cli.report])
@@ -229,8 +255,8 @@ def test_a_case_without_reference_has_levels_and_no_error(study):
 
 @pytest.mark.parametrize(("share", "bins"), [(10_000_000, 0), (50_000, 347)])
 def test_thinned_lines_keep_the_extremes_and_it_is_said(study, monkeypatch, share, bins):
-    monkeypatch.setattr(page_data, "LINES_BYTES", share)
-    monkeypatch.setattr(page_data, "FEW_BINS", 200)
+    monkeypatch.setattr(page_spectra, "LINES_BYTES", share)
+    monkeypatch.setattr(page_spectra, "FEW_BINS", 200)
     directory = study.write(soils=("clay",), lines=2000)
     page = Page(made(directory))
     lines = page.data["lines"]
@@ -255,7 +281,7 @@ def test_thinned_lines_keep_the_extremes_and_it_is_said(study, monkeypatch, shar
 
 
 def test_a_page_that_would_be_too_large_shows_fewer_cases(study, monkeypatch):
-    monkeypatch.setattr(page_data, "LINES_BYTES", 9000)
+    monkeypatch.setattr(page_spectra, "LINES_BYTES", 9000)
     directory = study.write(soils=("clay",), speeds=(100.0, 150.0, 200.0), lines=300)
     page = Page(made(directory))
     assert page.data["lines"]["cases"] == len(page.data["lines"]["spectra"]) == 1

@@ -1,9 +1,11 @@
 """The commands as a user calls them, on small studies of the real physics."""
 
+import contextlib
 import json
 import os
 import signal
 import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -207,3 +209,34 @@ def test_ctrl_c_stops_cleanly(here):
     assert "interrupted, exit status 130" in invoke("status", "runs/small").output
     assert len(records.present(here / "runs" / "small")) > 0
     assert not (here / "runs" / "small" / lock.LOCK).exists()
+
+
+def test_who_publishes_is_told_when_the_last_task_begins(here, monkeypatch):
+    said = []
+
+    class Publisher(contextlib.AbstractContextManager):
+        def __init__(self, directory):
+            self.log = directory / "log.jsonl"
+
+        def said(self, what):
+            events = [json.loads(line)["event"] for line in self.log.read_text().splitlines()]
+            said.append((what, events.count("done"), events[-1]))
+
+        def get_ready(self):
+            self.said("ready")
+
+        def publish(self):
+            self.said("publish")
+
+        def __exit__(self, *_):
+            self.said("exit")
+
+    hook = SimpleNamespace(load=lambda: Publisher)
+    monkeypatch.setattr("sweep.cli.metadata", SimpleNamespace(entry_points=lambda group: [hook]))
+    assert invoke("run", "small.toml", "--workers", 0).exit_code == 0
+    tasks = said[-1][1]
+    # The last but one has ended, and is about to be logged.
+    assert said == [("ready", tasks - 2, "done"), ("publish", tasks, "finished"), ("exit", tasks, "finished")]
+    said.clear()
+    assert invoke("run", "small.toml", "--workers", 0).exit_code == 0
+    assert [what for what, *_ in said] == ["publish", "exit"]
