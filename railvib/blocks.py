@@ -99,24 +99,32 @@ def interpolated(block: int, level: int, f: np.ndarray, table: np.ndarray) -> np
     return combined(*stencils(block, level, f), table)
 
 
-def combined(first: np.ndarray, weight: np.ndarray, table: np.ndarray) -> np.ndarray:
+def combined(
+    first: np.ndarray, weight: np.ndarray, table: np.ndarray, out: np.ndarray | None = None
+) -> np.ndarray:
     """Return weighted sums (n, m) of neighbouring rows of a table, as `stencils` gives them."""
     rows = np.ascontiguousarray(table)
-    return np.asarray(_combined(first, weight, rows.view(float))).view(rows.dtype)
+    if out is None:
+        out = np.empty((first.size, rows.shape[1]), rows.dtype)
+    _combined(first, weight, rows.view(float), out.view(float))
+    return out
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _combined(first, weight, table):
-    """Return the weighted sums of neighbouring rows."""
-    out = np.zeros((first.shape[0], table.shape[1]))
+def _combined(first, weight, table, out):
+    """Write the weighted sums of neighbouring rows."""
     for i in range(first.shape[0]):
-        row = out[i]
+        combine(first[i], weight[i], table, out[i])
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def combine(first, weight, table, out):
+    """Write a weighted sum of neighbouring rows, as many columns as there is room for."""
+    for j in range(out.shape[0]):
+        total = 0.0
         for m in range(STENCIL):
-            w = weight[i, m]
-            other = table[first[i] + m]
-            for j in range(row.shape[0]):
-                row[j] += w * other[j]
-    return out
+            total += weight[m] * table[first + m, j]
+        out[j] = total
 
 
 def halfway(block: int, level: int, number: int) -> np.ndarray:

@@ -45,6 +45,7 @@ def passage_spectra(
     train_length: float,
     speed: float,
     frequency: np.ndarray,
+    tolerance: float = 1e-4,
 ) -> dict[Receiver, np.ndarray]:
     """Return PSDs of displacement at fixed points, averaged over the passage (Eq. 29 over T).
 
@@ -60,6 +61,8 @@ def passage_spectra(
         m/s.
     frequency
         Receiving frequencies, Hz, (n,).
+    tolerance
+        Relative error allowed in the squares of the transfer functions.
 
     Returns
     -------
@@ -79,7 +82,7 @@ def passage_spectra(
                 for members, block, own in same_nodes(functions, frequency[here]):
                     f = frequency[here[own]]
                     edge = functions[members[0]].blocks[block].nodes.panel_edges(f)
-                    value = squared([functions[each] for each in members], block, f)
+                    value = squared([functions[each] for each in members], block, f, tolerance)
                     value = value.reshape(*value.shape[:2], -1, ORDER)
                     needed = _needed(edge, value)
                     moment = _moments(

@@ -20,7 +20,7 @@ from railvib.squared import same_nodes, squared
 from railvib.transfer import Receiver, TransferFunction
 
 _AT_ONCE = 64
-_MOST_LEVELS = 7
+_MOST_LEVELS = 6
 _CHECKS = 5
 _SHARE = 0.1
 """Of the tolerance, what interpolation between the frequencies may take."""
@@ -139,11 +139,11 @@ def _block(
         some = {each: own[each] for each in own if each not in made and level[each] == now}
         f = blocks.frequency(now, blocks.indices(block, now))
         between = blocks.frequency(now + 1, blocks.halfway(block, now, _CHECKS))
-        for receiver, value in directly(some, distance, np.concatenate([f, between])).items():
+        for receiver, value in directly(some, distance, np.concatenate([f, between]), tolerance).items():
             tabulated, direct = value[: f.size], value[f.size :]
             interpolated = blocks.interpolated(block, now, between, tabulated)
             error = float((np.abs(interpolated - direct) / direct[:, :1]).max())
-            if error <= _SHARE * tolerance or now >= _MOST_LEVELS:
+            if error <= _SHARE * tolerance or now >= max(_MOST_LEVELS, own[receiver].blocks[block].level):
                 passed.setdefault(receiver, now)
             if receiver in passed and now >= passed[receiver] + beyond:
                 made[receiver] = _Block(block, now, error, f, tabulated)
@@ -152,7 +152,10 @@ def _block(
 
 
 def directly(
-    receivers: Mapping[Receiver, TransferFunction], distances: npt.ArrayLike, frequency: npt.ArrayLike
+    receivers: Mapping[Receiver, TransferFunction],
+    distances: npt.ArrayLike,
+    frequency: npt.ArrayLike,
+    tolerance: float = 1e-4,
 ) -> dict[Receiver, np.ndarray]:
     """Return M(d, f) of some receivers, computed at the frequencies themselves.
 
@@ -164,6 +167,8 @@ def directly(
         Distances d ≥ 0 between axles, m, ascending.
     frequency
         Frequencies, Hz, (n,), inside the tables.
+    tolerance
+        Relative error allowed in the squares of the transfer functions.
 
     Returns
     -------
@@ -178,7 +183,7 @@ def directly(
             here = np.arange(start, min(start + _AT_ONCE, f.size))
             for members, block, own in same_nodes(receivers, f[here]):
                 rows = here[own]
-                value = squared([receivers[each] for each in members], block, f[rows])
+                value = squared([receivers[each] for each in members], block, f[rows], tolerance)
                 edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
                 found = _cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), d)
                 for receiver, each in zip(members, found.swapaxes(0, 1), strict=True):

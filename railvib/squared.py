@@ -1,18 +1,20 @@
 """|H̃|² at narrow-band lines, on the nodes of the tables: what both approaches integrate over wavenumber.
 
-The phase that a wave takes on its way to a receiver does not count here, only its decay. All that leads to a
-square runs in one pass over the nodes of a line.
+Squares know no phase, and so they can be interpolated themselves: they are tabulated once for all lines,
+speeds and trains, where the receiver's table is or on finer levels that pass a check half-way, and all that
+leads to them (compliance, track, decay) runs in one pass over the nodes of a frequency.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from railvib import blocks
-from railvib.blocks import STENCIL
+from railvib.blocks import combine
 from railvib.panels import NODE, ORDER
-from railvib.track import load, parameters
+from railvib.track import Track, load, parameters
 from railvib.transfer import MOST_DECAY, Nodes, Receiver, TransferBlock, TransferFunction
 from railvib.vector_math import LANES, exp
 
@@ -20,6 +22,13 @@ _NOTHING = 80.0
 """Exponent of decay at which nothing is left of a field, however much damping takes from its peak."""
 _SLOWEST = 0.6
 """Decay per wavenumber, at least, beyond u = 1: √(1 − 1/1.3²) where no wave's slowness exceeds 1/1.3."""
+_CHECKS = 5
+_LEVELS_BEYOND, _MOST_LEVELS = 3, 6
+"""Levels beyond that of the table, between whose frequencies nothing new is known, and levels at all."""
+_SHARE = 0.5
+"""Of the tolerance, what interpolation of squares may take: half in the square is a quarter in amplitude."""
+_SMALL = 1e-8
+"""Of a square's peak, below which errors are relative to that: excitations do not differ by as much."""
 
 
 def same_nodes(
@@ -38,7 +47,9 @@ def same_nodes(
         yield members, block, np.frombuffer(rows, dtype=np.intp)
 
 
-def squared(functions: Sequence[TransferFunction], block: int, frequency: np.ndarray) -> np.ndarray:
+def squared(
+    functions: Sequence[TransferFunction], block: int, frequency: np.ndarray, tolerance: float = 1e-4
+) -> np.ndarray:
     """Return |H̃|² of receivers whose tables have the same nodes, at other frequencies of a block.
 
     Parameters
@@ -49,48 +60,86 @@ def squared(functions: Sequence[TransferFunction], block: int, frequency: np.nda
         Index of the block.
     frequency
         Hz, (n,), inside the block.
+    tolerance
+        Relative error allowed, beside that of the tables.
 
     Returns
     -------
     ndarray, shape (receivers, n, node)
-        m⁴/N². What the receivers share is computed once.
+        m⁴/N².
     """
-    edge = functions[0].blocks[block].nodes.panel_edges(frequency)
-    omega = 2.0 * np.pi * frequency
-    value = np.empty((len(functions), frequency.size, ORDER * (edge.shape[1] - 1)))
-    last = max(_last(function.blocks[block]) for function in functions)
-    on_track: dict[int, np.ndarray] = {}
+    value = np.empty((len(functions), frequency.size, functions[0].blocks[block].transfer.shape[1]))
+    stencils: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     for out, function in zip(value, functions, strict=True):
-        table = function.blocks[block]
-        dense = omega * table.top_slowness
-        first, weight = blocks.stencils(block, table.level, frequency)
-        out[:] = 1.0
-        if function.track is not None and table.compliance is not None:
-            if table.level not in on_track:  # receivers of one level share the compliance
-                on_track[table.level] = _on_track(
-                    first,
-                    weight,
-                    _floats(table.compliance),
-                    edge,
-                    omega,
-                    np.maximum(last, dense),
-                    *parameters(function.track),
-                )
-            rail, centre, force = on_track[table.level]
-            if table.receiver == "rail" or table.offset == 0.0:
-                out[:] = rail if table.receiver == "rail" else centre
-                continue
-            out[:] = force
-        _times_squares(
-            first,
-            weight,
-            _floats(table.reduced(function.track)),
-            edge,
-            omega * table.reference_slowness,
-            table.distance if table.reference_slowness > 0.0 else 0.0,
-            np.maximum(_last(table), dense),
-            out,
-        )
+        level, rows = _squares(function, block, tolerance)
+        if level not in stencils:
+            stencils[level] = blocks.stencils(block, level, frequency)
+        blocks.combined(*stencils[level], rows, out)
+    return value
+
+
+class Squares(NamedTuple):
+    """|H̃|² on the frequencies of a block at some level."""
+
+    level: int
+    value: np.ndarray
+
+
+def _squares(function: TransferFunction, block: int, tolerance: float) -> Squares:
+    """Return |H̃|² on frequencies between which it can be interpolated itself, track, decay and all.
+
+    It is kept with the table, which many cases share.
+    """
+    table = function.blocks[block]
+    key = function.track, tolerance
+    if key not in table.kept:
+        level = _level(table, function.track, tolerance)
+        frequency = blocks.frequency(level, blocks.indices(block, level))
+        table.kept[key] = Squares(level, _evaluated(table, function.track, frequency))
+    kept: Squares = table.kept[key]
+    return kept
+
+
+def _level(table: TransferBlock, track: Track | None, tolerance: float) -> int:
+    """Return the first level from that of the table on at which squares pass a check half-way."""
+    last = max(table.level, min(table.level + _LEVELS_BEYOND, _MOST_LEVELS))
+    for level in range(table.level, last):
+        between = blocks.frequency(level + 1, blocks.halfway(table.block, level, _CHECKS))
+        first, weight = blocks.stencils(table.block, level, between)
+        rows = np.unique(first[:, None] + np.arange(blocks.STENCIL))
+        near = blocks.frequency(level, blocks.indices(table.block, level)[rows])
+        value = _evaluated(table, track, np.concatenate([near, between]))
+        direct = value[near.size :]
+        interpolated = blocks.combined(np.searchsorted(rows, first), weight, value[: near.size])
+        size = np.maximum(direct, _SMALL * direct.max(axis=1, keepdims=True))
+        if (np.abs(interpolated - direct) / size).max() <= _SHARE * tolerance:
+            return level
+    return last
+
+
+def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray) -> np.ndarray:
+    """Return |H̃|² of a receiver at frequencies of a block from what its table interpolates, (n, node)."""
+    edge = table.nodes.panel_edges(frequency)
+    omega = 2.0 * np.pi * frequency
+    last = np.maximum(_last(table), omega * table.top_slowness)
+    first, weight = blocks.stencils(table.block, table.level, frequency)
+    value = np.ones((frequency.size, table.transfer.shape[1]))
+    if track is not None and table.compliance is not None:
+        compliance = _floats(table.compliance)
+        rail, centre, force = _on_track(first, weight, compliance, edge, omega, last, *parameters(track))
+        if table.receiver == "rail" or table.offset == 0.0:
+            return np.asarray(rail if table.receiver == "rail" else centre)
+        value = force
+    _times_squares(
+        first,
+        weight,
+        _floats(table.reduced(track)),
+        edge,
+        omega * table.reference_slowness,
+        table.distance if table.reference_slowness > 0.0 else 0.0,
+        last,
+        value,
+    )
     return value
 
 
@@ -116,7 +165,7 @@ def _on_track(first, weight, compliance, edge, omega, last, bed, support, pad, r
     beta = np.empty(nodes)
     for i in range(edge.shape[0]):
         end = _nodes_below(last[i], edge[i], beta)
-        _interpolated(first[i], weight[i], compliance, under[: 2 * end])
+        combine(first[i], weight[i], compliance, under[: 2 * end])
         for start in range(0, end, LANES):
             m = min(LANES, end - start)
             for j in range(m):
@@ -141,7 +190,7 @@ def _times_squares(first, weight, reduced, edge, k, distance, last, out):
     beta = np.empty(out.shape[1])
     for i in range(out.shape[0]):
         end = _nodes_below(last[i], edge[i], beta)
-        _interpolated(first[i], weight[i], reduced, row[: 2 * end])
+        combine(first[i], weight[i], reduced, row[: 2 * end])
         for j in range(end):
             square = row[2 * j] * row[2 * j] + row[2 * j + 1] * row[2 * j + 1]
             kappa = np.sqrt(max(beta[j] * beta[j] - k[i] * k[i], 0.0))
@@ -161,13 +210,3 @@ def _nodes_below(last, edge, beta):
             beta[end * ORDER + j] = middle + half * NODE[j]
         end += 1
     return end * ORDER
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _interpolated(first, weight, table, out):
-    """Write weighted sums of neighbouring rows, as many columns as there is room for."""
-    for j in range(out.shape[0]):
-        total = 0.0
-        for m in range(STENCIL):
-            total += weight[m] * table[first + m, j]
-        out[j] = total

@@ -15,6 +15,7 @@ exactly: rails on pads resonate more sharply than damped ground, and would ask f
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numba
 import numpy as np
@@ -130,6 +131,11 @@ class TransferBlock:
                 value /= track_response(track, self.wavenumber, omega, self.compliance)[1]
             self._reduced[track] = value
         return self._reduced[track]
+
+    @cached_property
+    def kept(self) -> dict[Any, Any]:
+        """What others have derived from the table for the cases that share it."""
+        return {}
 
     def rows(self, value: np.ndarray) -> Rows:
         """Return values at the table's frequencies and nodes for interpolation at scattered points."""
