@@ -1,6 +1,5 @@
 """Who computes a run: this process, processes started here, or the workers of a cluster."""
 
-import importlib
 import os
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -114,9 +113,7 @@ class Launch:
         returned waits for the result.
         """
         if self._starts_here and prefork.POSSIBLE:
-            waiting = prefork.submit(function, argument)
-            importlib.import_module("sweep.cluster")  # needed next, and the other process is not ready yet
-            return waiting
+            return prefork.submit(function, argument)
         result = function(argument)
         return lambda: result
 
@@ -151,6 +148,10 @@ class Launch:
         """
         if self.scheduler is None and self.file is None and self.processes == 0:
             return _alone()
+        if self._starts_here and prefork.POSSIBLE and not self.dashboard:
+            from sweep import processes
+
+            return processes.local(min(self.processes, tasks), kinds)
         from sweep import cluster
 
         if self.scheduler is not None:
