@@ -24,6 +24,10 @@ GRAVITY = 9.81
 BOUNCE = np.array([1.0, 1.0, 1.0, 1.0])
 CAR_PITCH = np.array([-1.0, -1.0, 1.0, 1.0])
 BOGIE_PITCH = np.array([[-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 1.0]])
+SHAPES = np.stack(
+    [np.outer(BOUNCE, BOUNCE) / 4.0, np.outer(CAR_PITCH, CAR_PITCH) / 4.0, BOGIE_PITCH.T @ BOGIE_PITCH / 2.0]
+)
+"""What of a chain's flexibility per wheelset is between the wheelsets, (chains, wheelsets, wheelsets)."""
 
 
 class Vehicle(Parameters):
@@ -146,8 +150,8 @@ class Train(Parameters):
         return np.repeat([vehicle.contact_stiffness for vehicle in self.vehicles[::-1]], AXLES)
 
 
-def wheelset_receptance(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
-    """Return the receptances between the wheelsets of one vehicle, Σ_W = Bᵀ (K − ω²M)⁻¹ B (Eq. 4).
+def chain_flexibilities(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
+    """Return the flexibilities of a vehicle's chains per wheelset: bounce, pitch of the car, of the bogies.
 
     Parameters
     ----------
@@ -158,7 +162,7 @@ def wheelset_receptance(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArr
 
     Returns
     -------
-    Receptances in m/N, shape ω.shape + (4, 4), wheelsets ascending in x.
+    Flexibilities in m/N, shape (3,) + ω.shape, in the order of `SHAPES`.
 
     Raises
     ------
@@ -167,8 +171,9 @@ def wheelset_receptance(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArr
 
     Notes
     -----
-    The symmetric vehicle separates into four chains of masses and springs; each is eliminated from the top
-    down, so that the free-body limit −1/(mω²) comes out without any cancellation, at any frequency.
+    The symmetric vehicle separates into four chains of masses and springs, two of them alike; each is
+    eliminated from the top down, so that the free-body limit −1/(mω²) comes out without any cancellation, at
+    any frequency.
     """
     omega = np.asarray(angular_frequency, dtype=np.float64)
     if not np.all(np.isfinite(omega)) or np.any(omega == 0.0):
@@ -190,15 +195,22 @@ def wheelset_receptance(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArr
     bounce = wheelset + _in_series(primary, bogie + _in_series(secondary, car))
     car_pitch = wheelset + _in_series(primary, bogie + _in_series(secondary, pitching_car))
     bogie_pitch = wheelset + _in_series(primary, pitching_bogie)
-    shares = (
-        (bounce, np.outer(BOUNCE, BOUNCE) / 4.0),
-        (car_pitch, np.outer(CAR_PITCH, CAR_PITCH) / 4.0),
-        (bogie_pitch, BOGIE_PITCH.T @ BOGIE_PITCH / 2.0),
-    )
-    receptance = np.zeros((*omega.shape, AXLES, AXLES), dtype=np.complex128)
-    for stiffness, shape in shares:
-        receptance += shape / stiffness[..., np.newaxis, np.newaxis]
-    return receptance
+    return np.asarray(1.0 / np.stack([bounce, car_pitch, bogie_pitch]))
+
+
+def wheelset_receptance(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
+    """Return the receptances between the wheelsets of one vehicle, Σ_W = Bᵀ (K − ω²M)⁻¹ B (Eq. 4).
+
+    Parameters
+    ----------
+    vehicle, angular_frequency
+        As in `chain_flexibilities`.
+
+    Returns
+    -------
+    Receptances in m/N, shape ω.shape + (4, 4), wheelsets ascending in x.
+    """
+    return np.asarray(np.einsum("c...,clm->...lm", chain_flexibilities(vehicle, angular_frequency), SHAPES))
 
 
 def train_receptance(train: Train, angular_frequency: ArrayLike) -> NDArray[np.complex128]:

@@ -5,9 +5,9 @@ receptance counts.
 import numpy as np
 import pytest
 
-from railvib.forces import arrivals, axle_distances, axle_numbers, force_matrices
+from railvib.forces import arrivals, axle_distances, axle_forces, axle_numbers, force_matrices
 from railvib.receptance import ReceptanceBlock, Receptances
-from railvib.vehicle import Train
+from railvib.vehicle import Train, train_receptance
 
 
 class Spring:
@@ -81,6 +81,61 @@ def test_all_masses_in_one_system(vehicle):
         np.testing.assert_allclose(matrices[row], expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.fixture
+def random_rail(mixed):
+    rng = np.random.default_rng(4)
+    rail = Spring(mixed, 4e7, 9.0)
+    rail.value = rail.value * np.exp(1j * rng.uniform(-2.0, 2.0, rail.value.size))
+    return rail
+
+
+def compliances(train, rail, frequency):
+    alpha = train.axle_positions
+    column = [[np.argmin(np.abs(rail.distance - (one - other))) for other in alpha] for one in alpha]
+    vehicles = train_receptance(train, 2.0 * np.pi * frequency)
+    return rail.at(frequency)[:, np.array(column)] + vehicles + np.diag(1.0 / train.contact_stiffness)
+
+
+@pytest.mark.parametrize("count", [1, 31, 70])
+def test_elimination_against_lapack(mixed, random_rail, count):
+    f = np.geomspace(0.005, 300.0, count)
+    rng = np.random.default_rng(5)
+    unevenness = rng.normal(size=(count, 8, 2)) @ [1.0, 1j]
+    matrices = compliances(mixed, random_rail, f)
+    forces = axle_forces(mixed, random_rail, f, unevenness)
+    np.testing.assert_allclose(
+        forces,
+        -np.linalg.solve(matrices, unevenness[..., None])[..., 0],
+        rtol=1e-9,
+        atol=1e-12 * np.abs(forces).max(),
+    )
+    inverse = force_matrices(mixed, random_rail, f)
+    np.testing.assert_allclose(
+        inverse @ matrices, np.broadcast_to(-np.eye(8), matrices.shape), rtol=0, atol=1e-11
+    )
+
+
+def test_frequencies_do_not_depend_on_their_neighbours(mixed, random_rail):
+    f = np.geomspace(0.5, 300.0, 70)
+    phase = arrivals(mixed, f, 40.0)
+    together = axle_forces(mixed, random_rail, f, phase)
+    alone = [axle_forces(mixed, random_rail, f[i : i + 1], phase[i : i + 1])[0] for i in (0, 31, 32, 69)]
+    np.testing.assert_array_equal(together[[0, 31, 32, 69]], alone)
+
+
+def test_a_matrix_that_needs_its_rows_exchanged(mixed, random_rail):
+    """The first pivot is nothing: elimination in order would divide by it."""
+    f = np.array([3.0, 20.0])
+    first = compliances(mixed, random_rail, f[1:])[0, 0, 0]
+    random_rail.value[random_rail.distance == 0.0] -= first * (1.0 - 1e-13)
+    matrices = compliances(mixed, random_rail, f)
+    assert abs(matrices[1, 0, 0]) < 1e-9 * np.abs(matrices[1]).max()
+    forces = force_matrices(mixed, random_rail, f)
+    np.testing.assert_allclose(
+        forces @ matrices, np.broadcast_to(-np.eye(8), matrices.shape), rtol=0, atol=1e-9
+    )
+
+
 def test_stiff_wheels_and_heavy_masses_press_the_unevenness_into_the_rail(mixed):
     """At high frequency each wheelset stands still, and P = −w̃/(1/K + 1/k_H)."""
     rail = Spring(mixed, 2e7)
@@ -116,8 +171,6 @@ def test_receptances_of_other_distances_are_not_mixed_up(train):
         speed=0.0,
         interpolation_error=0.0,
     )
-    from railvib.vehicle import train_receptance
-
     f = np.array([2.0])
     alpha = train.axle_positions
     compliance = 1e-9 * np.eye(16) + 1e-12 * (alpha[:, None] - alpha)
