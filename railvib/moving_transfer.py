@@ -8,7 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from railvib import blocks
-from railvib.transfer import TransferFunction
+from railvib.transfer import Nodes, TransferFunction
+
+_PANELS = 3
+"""Of the table's, to each of those here where waves travel."""
 
 
 @dataclass(frozen=True)
@@ -39,21 +42,25 @@ class MovingTransferBlock:
 
 
 def moving_transfer_block(rail: TransferFunction, speed: float, block: int) -> MovingTransferBlock:
-    """Tabulate the rail's transfer function for a moving load, on the nodes of the standing load's table.
+    """Tabulate the rail's transfer function for a moving load, nearly on the standing load's nodes.
+
+    Of the panels where waves travel three are made one: the table's resolve the ground at some distance too.
 
     Parameters
     ----------
     rail
         The rail's tabulated transfer function, up to `receptance.highest_tabulated_frequency` of the block's
-        upper edge and halo.
+        upper edge.
     speed
         m/s.
     block
         Index of the block, see `railvib.blocks`.
     """
-    frequency = blocks.frequency(0, blocks.indices(block, 0))
+    frequency = blocks.frequency(0, blocks.indices(block, 0)[blocks.HALO : -blocks.HALO])
     table = rail.blocks[min(max(block, min(rail.blocks)), max(rail.blocks))]
-    half = table.nodes.wavenumber(frequency)
+    waves = table.edge[table.edge <= 1.0]
+    kept = np.concatenate([[0.0], waves[-1:0:-_PANELS][::-1], table.edge[table.edge > 1.0]])
+    half = Nodes(table.top_slowness, table.largest, kept).wavenumber(frequency)
     beta = np.concatenate([-half[:, ::-1], half], axis=1)
     seen = 2.0 * np.pi * frequency[:, None] - beta * speed
     inside = (np.abs(seen) <= 2.0 * np.pi * rail.highest) & (np.abs(beta) <= rail.reach)

@@ -17,7 +17,7 @@ from railvib.line_integrals import LineIntegrals, line_integrals
 from railvib.moving_roughness import spans
 from railvib.plausibility import check_damping, check_speed
 from railvib.quasi_static import quasi_static_spectra
-from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
+from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_blocks, receptances
 from railvib.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
 from railvib.track import Track
@@ -193,8 +193,9 @@ def predict(
         if (model, v) not in rails:
             wanted_blocks = blocks.up_to(highest) if v else covering
             rails[model, v] = Receptances(
-                receptance_block(functions["rail"], track, v, distances, block, tolerance, refinement)
-                for block in wanted_blocks
+                receptance_blocks(
+                    functions["rail"], track, v, distances, wanted_blocks, tolerance, refinement
+                )
             )
         if model not in still:
             still[model] = quasi_static_spectra(

@@ -7,15 +7,15 @@ where ω − βv changes sign (and with it the damping) as a panel's edge. A pan
 response is halved. Beyond the tables the rail on its pads carries the load alone.
 """
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
 from railvib import blocks
-from railvib.panels import NODE, ORDER, TO_LEGENDRE, fourier_integrals
-from railvib.scattered import ROOM, interpolate
-from railvib.track import Track, load, parameters
+from railvib.panels import NODE, fourier_integrals, unresolved
+from railvib.track import Track, track_response
 from railvib.transfer import TransferFunction
-from railvib.vector_math import LANES, reciprocal
 
 _TAIL_PANELS = 3
 _TAIL_RATIO = 4.0
@@ -32,7 +32,6 @@ _RESOLVED = 1e-2
 """Last Legendre coefficients of a panel times its width, over tolerance times peak: the error left is below
 1e-2 of the tolerance.
 """
-_AT_ONCE = LANES // ORDER
 
 
 def rail_integrals(
@@ -68,31 +67,65 @@ def rail_integrals(
     ValueError
         If a frequency that the track sees lies above the tables.
     """
-    highest = float(frequency.max(initial=0.0)) + rail.reach * speed / (2.0 * np.pi)
-    if speed > 0.0 and highest > rail.highest * (1.0 + 1e-9):  # standing, the halo of a table is enough
-        raise ValueError(f"frequency {highest:g} Hz lies above the tabulated {rail.highest:g} Hz")
     if speed == 0.0:  # below the tables the static limit
         frequency = np.maximum(frequency, rail.lowest)
-    edge, count = _edges(rail, frequency, speed)
     # The response to a standing load is even in β: its panels lie over β > 0 and count twice.
     sides = 2.0 if speed == 0.0 else 1.0
-    cosine = np.zeros((frequency.size, 2, distance.size))
-    sine = np.zeros((frequency.size, 2, distance.size))
-    number = _integrals(
-        rail.direct if rail.under_track is None else rail.under_track,
-        rail.under_track is not None,
-        parameters(track),
-        (rail.lowest, rail.reach, speed, _RESOLVED * tolerance),
-        frequency,
-        edge,
-        count,
+    panels = _resolved(rail, track, speed, frequency, tolerance)
+    order = np.argsort(panels.owner, kind="stable")
+    cosine, sine = _per_frequency(
+        np.searchsorted(panels.owner[order], np.arange(frequency.size + 1)),
+        panels.centre[order],
+        panels.half[order],
+        np.stack([panels.value.real, panels.value.imag])[:, order],
         distance,
-        cosine,
-        sine,
     )
     even = sides * (cosine[:, 0] + 1j * cosine[:, 1])
     odd = sine[:, 0] + 1j * sine[:, 1] if speed != 0.0 else np.zeros_like(even)
-    return even, odd, number
+    return even, odd, panels.value.size
+
+
+class _Panels(NamedTuple):
+    """Panels of all frequencies, (panels,), and the response at their nodes, (panels, order)."""
+
+    owner: np.ndarray
+    """Which of the frequencies."""
+    centre: np.ndarray
+    half: np.ndarray
+    value: np.ndarray
+
+
+def _resolved(
+    rail: TransferFunction, track: Track, speed: float, frequency: np.ndarray, tolerance: float
+) -> _Panels:
+    """Return panels that resolve the response."""
+    edge, count = _edges(rail, frequency, speed)
+    owner = np.repeat(np.arange(frequency.size), count - 1)
+    inner = np.arange(edge.shape[1] - 1) < count[:, None] - 1
+    low, high = edge[:, :-1][inner], edge[:, 1:][inner]
+    centre, half = 0.5 * (high + low), 0.5 * (high - low)
+    peak = np.zeros(frequency.size)
+    parts: list[_Panels] = []
+    for halving in range(_MOST_HALVINGS + 1):
+        beta = centre[:, None] + half[:, None] * NODE
+        seen = 2.0 * np.pi * frequency[owner][:, None] - beta * speed
+        tail = np.abs(centre) > rail.reach
+        value = np.empty(beta.shape, complex)
+        value[~tail] = rail.response(beta[~tail], seen[~tail], into_halo=speed == 0.0)
+        value[tail], _force = track_response(track, beta[tail], seen[tail], 0.0)
+        if halving == 0:
+            np.maximum.at(peak, owner, np.abs(value).max(axis=1))
+        bad = unresolved(value)[:, 0] * 2.0 * half > _RESOLVED * tolerance * peak[owner]
+        bad &= halving < _MOST_HALVINGS
+        parts.append(_Panels(owner[~bad], centre[~bad], half[~bad], value[~bad]))
+        if not bad.any():
+            break
+        # Both halves, one after the other: what depends on the width alone then serves both.
+        owner, half = np.repeat(owner[bad], 2), np.repeat(0.5 * half[bad], 2)
+        centre = np.repeat(centre[bad], 2)
+        centre[::2] -= half[::2]
+        centre[1::2] += half[1::2]
+    return _Panels(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
 def _edges(rail: TransferFunction, frequency: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
@@ -143,141 +176,12 @@ def _distinct(value: np.ndarray, least: float) -> np.ndarray:
     return np.sort(ascending, axis=1)
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _integrals(tables, on_ground, track, limits, frequency, edge, count, distance, cosine, sine):
-    """Add the integrals of every frequency to `cosine` and `sine`; return the number of wavenumbers."""
-    bound = limits[3]
-    room = np.empty((ROOM, LANES))
-    whole = np.empty((2, LANES), np.int64)
-    loaded = np.empty(6 * LANES)
-    sign = np.empty(LANES)
-    most = edge.shape[1] + 2 * _AT_ONCE * _MOST_HALVINGS
-    low = np.empty(most)
-    high = np.empty(most)
-    left = np.empty(most, np.int64)
-    centre = np.empty(edge.shape[1])
-    half = np.empty(edge.shape[1])
-    value = np.empty((2, edge.shape[1], ORDER))
-    number = 0
-    for i in range(frequency.shape[0]):
-        omega = 2.0 * np.pi * frequency[i]
-        panels = count[i] - 1
-        for p in range(panels):
-            centre[p] = 0.5 * (edge[i, p + 1] + edge[i, p])
-            half[p] = 0.5 * (edge[i, p + 1] - edge[i, p])
-        _respond(
-            panels, centre, half, omega, tables, on_ground, track, limits, room, whole, loaded, sign, value
-        )
-        number += panels
-        peak = _peak(panels, value)
-        pending = 0
-        halvings = _MOST_HALVINGS
-        while True:
-            resolved = 0
-            for p in range(panels):
-                if halvings > 0 and _unresolved(value, p) * 4.0 * half[p] * half[p] > bound * bound * peak:
-                    # Both halves, one after the other: what depends on the width alone then serves both.
-                    for side in range(2):
-                        low[pending] = centre[p] - (1 - side) * half[p]
-                        high[pending] = centre[p] + side * half[p]
-                        left[pending] = halvings - 1
-                        pending += 1
-                else:
-                    centre[resolved] = centre[p]
-                    half[resolved] = half[p]
-                    for q in range(2):
-                        for j in range(ORDER):
-                            value[q, resolved, j] = value[q, p, j]
-                    resolved += 1
-            fourier_integrals(
-                centre[:resolved], half[:resolved], value[:, :resolved], distance, cosine[i], sine[i]
-            )
-            if pending == 0:
-                break
-            panels = 0
-            halvings = left[pending - 1]
-            while pending > 0 and panels < _AT_ONCE and left[pending - 1] == halvings:
-                pending -= 1
-                centre[panels] = 0.5 * (high[pending] + low[pending])
-                half[panels] = 0.5 * (high[pending] - low[pending])
-                panels += 1
-            _respond(
-                panels,
-                centre,
-                half,
-                omega,
-                tables,
-                on_ground,
-                track,
-                limits,
-                room,
-                whole,
-                loaded,
-                sign,
-                value,
-            )
-            number += panels
-    return number * ORDER
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _respond(panels, centre, half, omega, tables, on_ground, track, limits, room, whole, loaded, sign, value):
-    """Write the response at the nodes of panels, (2, panels, order), real and imaginary parts."""
-    bed, support, pad, rail = track
-    lowest, reach, speed, _ = limits
-    nodes = panels * ORDER
-    for first in range(0, nodes, LANES):
-        for i in range(LANES):
-            node = min(first + i, nodes - 1)
-            p = node // ORDER
-            beta = centre[p] + half[p] * NODE[node - p * ORDER]
-            seen = omega - beta * speed
-            room[0, i] = max(abs(seen) / (2.0 * np.pi), lowest)
-            room[1, i] = min(abs(beta), reach)
-            loaded[4 * LANES + i] = abs(beta)
-            loaded[5 * LANES + i] = 2.0 * np.pi * room[0, i]
-            sign[i] = -1.0 if seen < 0.0 else 1.0
-        interpolate(tables, room, whole)
-        for i in range(LANES):
-            yields = on_ground and loaded[4 * LANES + i] <= reach
-            loaded[i] = room[2, i] if yields else 0.0
-            loaded[LANES + i] = room[3, i] if yields else 0.0
-        load(LANES, loaded, bed, support, pad, rail)
-        for i in range(LANES):
-            force = complex(loaded[2 * LANES + i], loaded[3 * LANES + i])
-            response = complex(loaded[i], loaded[LANES + i]) * reciprocal(force)
-            loaded[i] = response.real
-            loaded[LANES + i] = response.imag
-        if not on_ground:
-            for i in range(LANES):
-                if loaded[4 * LANES + i] <= reach:
-                    loaded[i] = room[2, i]
-                    loaded[LANES + i] = room[3, i]
-        for i in range(min(LANES, nodes - first)):
-            p = (first + i) // ORDER
-            value[0, p, first + i - p * ORDER] = loaded[i]
-            value[1, p, first + i - p * ORDER] = sign[i] * loaded[LANES + i]
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _peak(panels, value):
-    """Return the largest squared size of values (2, panels, order)."""
-    peak = 0.0
-    for p in range(panels):
-        for j in range(ORDER):
-            peak = max(peak, value[0, p, j] * value[0, p, j] + value[1, p, j] * value[1, p, j])
-    return peak
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _unresolved(value, p):
-    """Return the squared size of a panel's last Legendre coefficients."""
-    size = 0.0
-    for n in range(ORDER - 2, ORDER):
-        real = 0.0
-        imag = 0.0
-        for j in range(ORDER):
-            real += TO_LEGENDRE[n, j] * value[0, p, j]
-            imag += TO_LEGENDRE[n, j] * value[1, p, j]
-        size = max(size, real * real + imag * imag)
-    return size
+@numba.njit(cache=True, error_model="numpy")
+def _per_frequency(first, centre, half, value, distance):
+    """Return the cosine and sine integrals of every frequency's panels, (frequencies, 2, distances) each."""
+    cosine = np.zeros((first.shape[0] - 1, 2, distance.shape[0]))
+    sine = np.zeros((first.shape[0] - 1, 2, distance.shape[0]))
+    for i in range(first.shape[0] - 1):
+        own = slice(first[i], first[i + 1])
+        fourier_integrals(centre[own], half[own], value[:, own], distance, cosine[i], sine[i])
+    return cosine, sine

@@ -6,7 +6,7 @@ in the frame that moves with the load, d ahead of it. The integrand is tabulated
 integrated by `railvib.rail_integrals`; the receptances are tabulated in turn, over frequency.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -48,6 +48,72 @@ class ReceptanceBlock:
     """Largest error of interpolation half-way between frequencies, relative to the receptance at the load."""
 
 
+def receptance_blocks(
+    rail: TransferFunction,
+    track: Track,
+    speed: float,
+    distances: npt.ArrayLike,
+    which: Iterable[int],
+    tolerance: float = 1e-4,
+    refinement: int = 1,
+) -> Iterator[ReceptanceBlock]:
+    """Tabulate receptances over blocks of frequencies, each at the first level that passes a check half-way.
+
+    Parameters
+    ----------
+    rail
+        The rail's tabulated transfer function, up to `highest_tabulated_frequency` of the highest block's
+        upper edge and halo.
+    track, speed, distances
+        As in `receptances`.
+    which
+        Indices of the blocks, see `railvib.blocks`. No block depends on the others: what it has in common
+        with their halos is computed once.
+    tolerance
+        Error allowed, relative to the receptance at the load.
+    refinement
+        For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
+    """
+    d = np.unique(np.asarray(distances, float))
+    known: dict[float, np.ndarray] = {}
+
+    def rows(*places: tuple[int, np.ndarray]) -> list[np.ndarray]:
+        """Return receptances at frequencies that are given by their level and indices."""
+        at = {
+            index / 2.0**level: f
+            for level, indices in places
+            for index, f in zip(indices.tolist(), blocks.frequency(level, indices).tolist(), strict=True)
+        }
+        new = [place for place in at if place not in known]
+        if new:
+            frequency = np.array([at[place] for place in new])
+            computed = receptances(rail, track, speed, np.append(d, 0.0), frequency, tolerance)
+            known.update(zip(new, computed, strict=True))
+        return [np.array([known[index / 2.0**level] for index in indices]) for level, indices in places]
+
+    beyond = int(np.log2(refinement))
+    for block in which:
+        passed = None
+        for level in range(_MOST_LEVELS + beyond + 1):
+            indices, halfway = blocks.indices(block, level), blocks.halfway(block, level, _CHECKS)
+            tabulated, direct = rows((level, indices), (level + 1, halfway))
+            interpolated = blocks.interpolated(block, level, blocks.frequency(level + 1, halfway), tabulated)
+            error = float((np.abs(interpolated - direct) / np.abs(direct[:, -1:])).max())
+            if passed is None and (error <= 0.1 * tolerance or level == _MOST_LEVELS):
+                passed = level
+            if passed is not None and level >= passed + beyond:
+                break
+        yield ReceptanceBlock(
+            frequency=blocks.frequency(level, indices),
+            distance=d,
+            receptance=np.ascontiguousarray(tabulated[:, :-1]),
+            block=block,
+            level=level,
+            speed=speed,
+            interpolation_error=error,
+        )
+
+
 def receptance_block(
     rail: TransferFunction,
     track: Track,
@@ -57,55 +123,9 @@ def receptance_block(
     tolerance: float = 1e-4,
     refinement: int = 1,
 ) -> ReceptanceBlock:
-    """Tabulate receptances over one block of frequencies, at the first level that passes a check half-way.
-
-    Parameters
-    ----------
-    rail
-        The rail's tabulated transfer function, up to `highest_tabulated_frequency` of the block's upper edge
-        and halo.
-    track, speed, distances
-        As in `receptances`.
-    block
-        Index of the block, see `railvib.blocks`.
-    tolerance
-        Error allowed, relative to the receptance at the load.
-    refinement
-        For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
-    """
-    beyond = int(np.log2(refinement))
-    passed = None
-    d = np.unique(np.asarray(distances, float))
-    known: dict[float, np.ndarray] = {}
-
-    def rows(level: int, ks: np.ndarray) -> np.ndarray:
-        frequency = blocks.frequency(level, ks)
-        new = np.array([f for f in frequency if round(f, 9) not in known])
-        if new.size:
-            computed = receptances(rail, track, speed, np.append(d, 0.0), new, tolerance)
-            known.update({round(float(f), 9): row for f, row in zip(new, computed, strict=True)})
-        return np.array([known[round(float(f), 9)] for f in frequency])
-
-    for level in range(_MOST_LEVELS + beyond + 1):
-        tabulated = rows(level, blocks.indices(block, level))
-        halfway = blocks.halfway(block, level, _CHECKS)
-        direct = rows(level + 1, halfway)
-        interpolated = blocks.interpolated(block, level, blocks.frequency(level + 1, halfway), tabulated)
-        error = float((np.abs(interpolated - direct) / np.abs(direct[:, -1:])).max())
-        if passed is None and (error <= 0.1 * tolerance or level == _MOST_LEVELS):
-            passed = level
-        if passed is not None and level >= passed + beyond:
-            break
-    frequency = blocks.frequency(level, blocks.indices(block, level))
-    return ReceptanceBlock(
-        frequency=frequency,
-        distance=d,
-        receptance=np.ascontiguousarray(tabulated[:, :-1]),
-        block=block,
-        level=level,
-        speed=speed,
-        interpolation_error=error,
-    )
+    """Tabulate receptances over one block of frequencies, as `receptance_blocks` does."""
+    (made,) = receptance_blocks(rail, track, speed, distances, [block], tolerance, refinement)
+    return made
 
 
 class Receptances:

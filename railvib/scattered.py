@@ -76,107 +76,85 @@ def joined(rows: Sequence[Rows]) -> Tables:
 
 
 def interpolated(tables: Tables, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
-    """Return what tables give at frequencies in Hz and wavenumbers in rad/m from 0 to their largest, (n,)."""
-    out = np.empty(frequency.shape, complex)
-    _interpolated(tables, frequency, wavenumber, out)
-    return out
+    """Return what tables give at frequencies in Hz and wavenumbers in rad/m from 0 to their largest."""
+    out = np.empty(frequency.size, complex)
+    _interpolated(tables, frequency.ravel(), wavenumber.ravel(), out)
+    return out.reshape(frequency.shape)
+
+
+_STENCIL_AT = 7
+_BASIS_AT = _STENCIL_AT + STENCIL
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _interpolated(tables, frequency, wavenumber, out):
-    """Interpolate at any number of points."""
-    room = np.empty((ROOM, LANES))
-    whole = np.empty((2, LANES), np.int64)
-    for first in range(0, frequency.shape[0], LANES):
-        n = min(LANES, frequency.shape[0] - first)
-        for i in range(LANES):
-            own = first + min(i, n - 1)
-            room[0, i] = frequency[own]
-            room[1, i] = wavenumber[own]
-        interpolate(tables, room, whole)
-        for i in range(n):
-            out[first + i] = complex(room[2, i], room[3, i])
-
-
-_STENCIL_AT = 9
-_BASIS_AT = _STENCIL_AT + STENCIL
-ROOM = _BASIS_AT + ORDER
-"""Rows of the room that `interpolate` works in."""
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def interpolate(tables, room, whole):
-    """Interpolate at `LANES` points.
-
-    Parameters
-    ----------
-    tables
-        `Tables`.
-    room
-        (ROOM, LANES): frequencies in Hz and wavenumbers in rad/m first; real and imaginary parts of what was
-        found are written after them.
-    whole
-        Room for integers, (2, LANES).
-    """
+    """Interpolate at points; the last ones fill up what goes through the loops together."""
+    room = np.empty((_BASIS_AT + ORDER, LANES))
+    start = np.empty(LANES, np.int64)
+    width = np.empty(LANES, np.int64)
     stencil = room[_STENCIL_AT:_BASIS_AT]
     basis = room[_BASIS_AT:]
-    for i in range(LANES):
-        room[4, i] = log(room[0, i])
-        room[5, i] = log(max(room[1, i], 1e-200))
-    _find(tables, room, whole)
-    for i in range(LANES):
-        # From u to β at both ends of the panel: proportional up to u = 1, beyond geometric.
-        low = min(room[7, i], 1.0) * exp(max(room[7, i] - 1.0, 0.0) * room[5, i])
-        high = min(room[8, i], 1.0) * exp(max(room[8, i] - 1.0, 0.0) * room[5, i])
-        room[4, i] = (2.0 * room[6, i] - low - high) / (high - low)
-    stencil_weights(LANES, room[3], stencil, room[5])
-    panel_weights(LANES, room[4], basis, room[5])
-    for i in range(LANES):
-        value = _weighted(tables.value, whole[0, i], whole[1, i], room, i)
-        room[2, i] = value.real
-        room[3, i] = value.imag
+    points = frequency.shape[0]
+    for first in range(0, points, LANES):
+        for i in range(LANES):
+            own = min(first + i, points - 1)
+            room[0, i] = frequency[own]
+            room[1, i] = wavenumber[own]
+        for i in range(LANES):
+            room[2, i] = log(room[0, i])
+            room[3, i] = log(max(room[1, i], 1e-200))
+        _find(tables, room, start, width)
+        for i in range(LANES):
+            # From u to β at both ends of the panel: proportional up to u = 1, beyond geometric.
+            low = min(room[5, i], 1.0) * exp(max(room[5, i] - 1.0, 0.0) * room[3, i])
+            high = min(room[6, i], 1.0) * exp(max(room[6, i] - 1.0, 0.0) * room[3, i])
+            room[4, i] = (2.0 * room[4, i] - low - high) / (high - low)
+        stencil_weights(LANES, room[2], stencil, room[3])
+        panel_weights(LANES, room[4], basis, room[3])
+        for i in range(min(LANES, points - first)):
+            out[first + i] = _weighted(tables.value, start[i], width[i], room, i)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _find(tables, room, whole):
+def _find(tables, room, start, width):
     """Find the rows and the panel of every point.
 
-    `room` holds the logarithms of frequency and wavenumber at 4 and 5, and then at 3 where the point lies
-    among its rows, at 5 the logarithm of the largest β over that at u = 1, at 6 β over that at u = 1, at 7
-    and 8 the panel's edges in u.
+    `room` holds frequencies, wavenumbers, and the logarithms of both; then, from 2 on, where points lie among
+    their rows, the logarithm of the largest β over that at u = 1, β over that at u = 1, and the panel's edges
+    in u.
     """
     p = 0
     for i in range(LANES):
-        at = (room[4, i] / _DECADE - SHIFT) * PER_DECADE
+        at = (room[2, i] / _DECADE - SHIFT) * PER_DECADE
         block = min(max(int(np.floor(at + 1e-9)) - tables.first_block, 0), tables.steps.shape[0] - 1)
-        start, edge_start, rows, width, edges = tables.place[block]
+        value_start, edge_start, rows, numbers, edges = tables.place[block]
         at = (at - (block + tables.first_block)) * tables.steps[block] + HALO
         row = min(max(int(np.floor(at)) - STENCIL // 2 + 1, 0), rows - STENCIL)
-        room[3, i] = at - row
-        logarithm = room[4, i] + tables.dense[1, block]
+        logarithm = room[2, i] + tables.dense[1, block]
         octaves = tables.largest[block] - logarithm
         u = room[1, i] / (room[0, i] * tables.dense[0, block])
-        room[6, i] = u
+        room[4, i] = u
         if u > 1.0:
-            u = min(1.0 + (room[5, i] - logarithm) / octaves, 2.0)
-        room[5, i] = octaves
+            u = min(1.0 + (room[3, i] - logarithm) / octaves, 2.0)
+        room[2, i] = at - row
+        room[3, i] = octaves
         # Points come in order, more or less: the panel is near that of the point before.
         p = min(p, edges - 2)
         while p > 0 and u < tables.edge[edge_start + p]:
             p -= 1
         while p < edges - 2 and u > tables.edge[edge_start + p + 1]:
             p += 1
-        room[7, i] = tables.edge[edge_start + p]
-        room[8, i] = tables.edge[edge_start + p + 1]
-        whole[0, i] = start + row * width + 2 * ORDER * p
-        whole[1, i] = width
+        room[5, i] = tables.edge[edge_start + p]
+        room[6, i] = tables.edge[edge_start + p + 1]
+        start[i] = value_start + row * numbers + 2 * ORDER * p
+        width[i] = numbers
 
 
 @intrinsic
 def _weighted(typingctx, value, start, width, room, i):
     """Return Σ_m stencil_m Σ_j basis_j value[start + m·width + 2j …], real and imaginary part.
 
-    `room` is that of `interpolate`, whose weights of point `i` are taken. The sums over rows stay in vector
+    The weights are those of point `i` in the room of `_interpolated`. The sums over rows stay in vector
     registers, which no compiler finds by itself for so many numbers.
     """
 

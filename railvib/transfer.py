@@ -231,17 +231,14 @@ class TransferFunction:
         self.reach = min(each.largest for each in self.blocks.values())
 
     @cached_property
-    def under_track(self) -> Tables | None:
-        """The ground's compliance under the track over all blocks, where it is known and has a track."""
-        found = [(each, each.compliance) for each in self.blocks.values()]
-        if self.track is None or any(compliance is None for _, compliance in found):
-            return None
-        return joined([each.rows(compliance) for each, compliance in found if compliance is not None])
+    def _under_track(self) -> Tables | None:
+        """The ground's compliance under the track over all blocks, if it is known."""
+        found = [each.rows(each.compliance) for each in self.blocks.values() if each.compliance is not None]
+        return joined(found) if len(found) == len(self.blocks) else None
 
     @cached_property
-    def direct(self) -> Tables:
-        """The transfer function itself over all blocks, without the reference wave's decay."""
-        return joined([each.rows(each.reduced(None)) for each in self.blocks.values()])
+    def _rail(self) -> Tables:
+        return joined([each.rows(each.transfer) for each in self.blocks.values()])
 
     def at(self, block: int, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Interpolate to other frequencies of a block, on its nodes.
@@ -262,20 +259,22 @@ class TransferFunction:
         beta = table.nodes.wavenumber(frequency)
         return beta, together([self], block, frequency)[0]
 
-    def response(self, wavenumber: np.ndarray, omega: np.ndarray) -> np.ndarray:
-        """Interpolate to any wavenumbers and frequencies; for the rail and receivers on the track.
+    def response(self, wavenumber: np.ndarray, omega: np.ndarray, *, into_halo: bool = False) -> np.ndarray:
+        """Interpolate the rail's response to any wavenumbers and frequencies.
 
         Parameters
         ----------
         wavenumber
-            β, rad/m, (n,), up to the tables' largest.
+            β, rad/m, any shape, up to the tables' largest.
         omega
-            Angular frequency ω̂, rad/s, (n,); negative values give the conjugate, values below the tables the
-            static limit.
+            Angular frequency ω̂, rad/s, of the same shape; negative values give the conjugate, values below
+            the tables the static limit.
+        into_halo
+            Whether frequencies may lie beyond the tables' upper edge, where the halo of the highest serves.
 
         Returns
         -------
-        ndarray of complex, shape (n,)
+        ndarray of complex
             m²/N.
 
         Raises
@@ -283,12 +282,17 @@ class TransferFunction:
         ValueError
             If a frequency lies above the tables.
         """
-        beta = np.abs(wavenumber)
+        beta = np.minimum(np.abs(wavenumber), self.reach)
         f = np.maximum(np.abs(omega) / (2.0 * np.pi), self.lowest)
-        if f.size and f.max() > self.highest * (1.0 + 1e-9):
+        if f.size and f.max() > self.highest * (1.0 + 1e-9) and not into_halo:
             raise ValueError(f"frequency {f.max():g} Hz lies above the tabulated {self.highest:g} Hz")
-        value = self._scattered(f, beta)
-        return np.where(omega < 0.0, value.conj(), value)
+        under = self._under_track
+        if self.track is None or under is None:
+            value = interpolated(self._rail, f, beta)
+        else:
+            value, _force = track_response(self.track, beta, 2.0 * np.pi * f, interpolated(under, f, beta))
+        np.conjugate(value, out=value, where=omega < 0.0)
+        return value
 
     def along(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
         """Interpolate at one wavenumber per frequency, for any receiver; zero beyond the tables.

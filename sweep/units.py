@@ -26,7 +26,7 @@ from railvib.moving_transfer import MovingTransferBlock, moving_transfer_block
 from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
 from railvib.quasi_static import QuasiStatic, quasi_static_spectra
-from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_block
+from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_blocks
 from railvib.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import MOST_LEVELS, distance_class, largest_wavenumber, transfer_blocks_by_class
 from railvib.tensor_fit import fit_tensor
@@ -221,29 +221,33 @@ def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
     return _transfer_units(_model(inputs), RAIL, blocks.up_to(highest))
 
 
+def _rail(units: Sequence[Unit], load: Load) -> TransferFunction:
+    """Return the rail's transfer function as far as any of several receptances needs it."""
+    highest = max(units, key=lambda unit: int(unit.inputs["block"])).inputs
+    return TransferFunction([load(need) for need in _receptance_needs(highest)], Track(**highest["track"]))
+
+
 def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, ReceptanceBlock]]:
-    for unit in units:
-        inputs = unit.inputs
-        track = Track(**inputs["track"])
-        rail = TransferFunction([load(need) for need in _receptance_needs(inputs)], track)
-        yield {
-            unit: receptance_block(
-                rail,
-                track,
-                inputs["speed"],
-                inputs["distances"],
-                int(inputs["block"]),
-                inputs["tolerance"],
-            )
-        }
+    inputs = units[0].inputs
+    # Tables of the FE/BE model are read by the block of their own alone.
+    for together in [[unit] for unit in units] if "cross_section" in inputs else [units]:
+        rail = _rail(together, load)
+        made = receptance_blocks(
+            rail,
+            Track(**inputs["track"]),
+            inputs["speed"],
+            inputs["distances"],
+            [int(unit.inputs["block"]) for unit in together],
+            inputs["tolerance"],
+        )
+        for unit, block in zip(together, made, strict=True):
+            yield {unit: block}
 
 
 def _moving_transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, MovingTransferBlock]]:
+    rail = _rail(units, load)
     for unit in units:
-        inputs = unit.inputs
-        needs = [load(need) for need in _receptance_needs(inputs)]
-        rail = TransferFunction(needs, Track(**inputs["track"]))
-        yield {unit: moving_transfer_block(rail, inputs["speed"], int(inputs["block"]))}
+        yield {unit: moving_transfer_block(rail, unit.inputs["speed"], int(unit.inputs["block"]))}
 
 
 def _receiver_units(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
@@ -434,7 +438,7 @@ def _receptance_bytes(inputs: Inputs) -> int:
 
 
 def _moving_bytes(inputs: Inputs) -> int:
-    return blocks.indices(int(inputs["block"]), 0).size * 2 * 400 * (COMPLEX + FLOAT)
+    return (blocks.STEPS + 1) * 2 * 200 * (COMPLEX + FLOAT)
 
 
 def _line_integral_bytes(inputs: Inputs) -> int:

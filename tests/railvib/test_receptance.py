@@ -7,7 +7,13 @@ from railvib import blocks
 from railvib.ground import Ground, Layer
 from railvib.moving_transfer import moving_transfer_block
 from railvib.panels import WEIGHT, nodes_between
-from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_block, receptances
+from railvib.receptance import (
+    Receptances,
+    highest_tabulated_frequency,
+    receptance_block,
+    receptance_blocks,
+    receptances,
+)
 from railvib.track import track_response
 
 SOFT = Ground(layers=[Layer(shear_speed=150.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.1)])
@@ -56,6 +62,14 @@ def test_against_quadrature(rail, track, speed, frequency):
     np.testing.assert_allclose(np.abs(found - direct) / np.abs(direct[2]), 0.0, atol=1e-6)
 
 
+def test_blocks_together_are_those_alone(rail, track):
+    together = receptance_blocks(rail, track, 40.0, DISTANCES, [1, 0, -1])
+    for made in together:
+        alone = receptance_block(rail, track, 40.0, DISTANCES, made.block)
+        assert made.level == alone.level
+        np.testing.assert_array_equal(made.receptance, alone.receptance)
+
+
 def test_columns_are_signed_distances(rail, track):
     block = receptance_block(rail, track, 40.0, [2.7, -2.7, 0.0, 2.7], 0)
     np.testing.assert_array_equal(block.distance, [-2.7, 0.0, 2.7])
@@ -67,6 +81,10 @@ def test_transfer_function_of_a_moving_load(rail):
     block = moving_transfer_block(rail, 40.0, 1)
     assert block.rail_moving.shape == block.wavenumber.shape
     row = 20
+    np.testing.assert_allclose(block.frequency[[0, -1]], blocks.edges(1))
+    table = rail.blocks[1].nodes.wavenumber(block.frequency)
+    assert block.wavenumber.shape[1] < 1.5 * table.shape[1]
+    assert np.all(np.diff(block.wavenumber, axis=1) > 0.0)
     known = np.isfinite(block.rail_moving[row])
     assert known.any()
     beta = block.wavenumber[row][known]
