@@ -21,7 +21,7 @@ import numpy as np
 
 from railvib import cost
 from railvib.excitation import Excitation
-from railvib.panels import FROM_POWERS, ORDER, WEIGHT, count_below
+from railvib.panels import FROM_POWERS, ORDER, WEIGHT
 from railvib.squared import same_nodes, squared
 from railvib.transfer import Receiver, TransferFunction
 
@@ -78,7 +78,7 @@ def passage_spectra(
             for start in range(0, frequency.size, _LINES_AT_ONCE):
                 here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
                 turn = np.exp(2j * np.pi / speed * frequency[here, None] * excited.axle_position)
-                parts = excited.turned(turn)
+                amplitude = _amplitudes(excited.turned(turn))
                 for members, block, own in same_nodes(functions, frequency[here]):
                     f = frequency[here[own]]
                     edge = functions[members[0]].blocks[block].nodes.panel_edges(f)
@@ -89,7 +89,7 @@ def passage_spectra(
                         edge,
                         needed.any(axis=0),
                         2.0 * np.pi * f / speed,
-                        parts,
+                        amplitude,
                         own,
                         excited.edge,
                         *excited.wavenumbers,
@@ -141,18 +141,16 @@ def _sums(needed, weight, value):
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest):
+def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest):
     """Return ∫ |A(κ + shift)|² xⁿ dκ, x from −1 to 1 over a panel of |κ|, (lines, panels, order).
 
     Over lowest ≤ |κ + shift| ≤ highest, at the panels wanted, 0 elsewhere. Panels of κ and those of β cut
-    each other into parts with nodes of their own. `rows` tells which lines of `parts`, from
-    `Excitation.turned`, these are.
+    each other into parts with nodes of their own. `rows` tells which lines of `amplitude`, from `_amplitudes`,
+    these are.
     """
     lines, panels = wanted.shape
     out = np.zeros((lines, panels, ORDER))
     tiny = 1e-12 * beta_edge[-1]
-    terms = parts.shape[3]
-    amplitude = np.empty((2, 2 * terms))
     owner = np.empty((2, _PARTS), np.int64)
     place = np.zeros((5, _PARTS))
     series = np.zeros((2 * ORDER, _PARTS))
@@ -160,16 +158,16 @@ def _moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest):
     moment = np.empty((ORDER, _PARTS))
     count = 0
     for i in range(lines):
-        _amplitudes(parts, rows[i], amplitude)
-        for p in range(panels):
-            if not wanted[i, p]:
-                continue
-            low = edge[i, p]
-            high = edge[i, p + 1]
-            for side in (-1.0, 1.0):
+        for side in (-1.0, 1.0):
+            below = 0
+            for p in range(panels):
+                if not wanted[i, p]:
+                    continue
+                low = edge[i, p]
+                high = edge[i, p + 1]
                 start = low
                 while high - start > tiny:
-                    b, backward, end = _excited_panel(beta_edge, start, side, shift[i], tiny)
+                    b, backward, end, below = _excited_panel(beta_edge, start, side, shift[i], tiny, below)
                     if b >= beta_edge.shape[0] - 1:
                         start = end  # beyond the last edge there is no excitation
                         continue
@@ -190,10 +188,9 @@ def _moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest):
                     place[2, count] = 2.0 * (centre - low) / (high - low) - 1.0
                     place[3, count] = 2.0 * half / (high - low)
                     place[4, count] = half
-                    first = b * ORDER + (terms if backward else 0)
-                    for n in range(ORDER):
-                        series[2 * n, count] = amplitude[0, first + n]
-                        series[2 * n + 1, count] = amplitude[1, first + n]
+                    here = amplitude[rows[i], 1 if backward else 0, b]
+                    for n in range(2 * ORDER):
+                        series[n, count] = here[n]
                     owner[0, count] = i
                     owner[1, count] = p
                     count += 1
@@ -240,30 +237,52 @@ def _add(count, owner, moment, out):
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _amplitudes(parts, line, out):
-    """Write the series of A, real and imaginary parts, at β and then at −β, where q is the conjugate."""
-    terms = parts.shape[3]
-    rr = parts[0, 0, line]
-    ri = parts[0, 1, line]
-    ir = parts[1, 0, line]
-    ii = parts[1, 1, line]
-    for n in range(terms):
-        out[0, n] = rr[n] - ii[n]
-        out[1, n] = ri[n] + ir[n]
-    for n in range(terms):
-        out[0, terms + n] = rr[n] + ii[n]
-        out[1, terms + n] = ir[n] - ri[n]
+def _amplitudes(parts):
+    """Return A at β, and at −β, where q is the conjugate, from `Excitation.turned`: (lines, 2, panels, 2·order).
+
+    Real and imaginary parts of the powers of x in turn.
+    """
+    lines = parts.shape[2]
+    panels = parts.shape[3] // ORDER
+    out = np.empty((lines, 2, panels, 2 * ORDER))
+    for i in range(lines):
+        rr = parts[0, 0, i]
+        ri = parts[0, 1, i]
+        ir = parts[1, 0, i]
+        ii = parts[1, 1, i]
+        for b in range(panels):
+            for n in range(ORDER):
+                k = b * ORDER + n
+                out[i, 0, b, 2 * n] = rr[k] - ii[k]
+                out[i, 0, b, 2 * n + 1] = ri[k] + ir[k]
+                out[i, 1, b, 2 * n] = rr[k] + ii[k]
+                out[i, 1, b, 2 * n + 1] = ir[k] - ri[k]
+    return out
 
 
 @numba.njit(forceinline=True, error_model="numpy")
-def _excited_panel(edge, kappa, side, shift, tiny):
-    """Return on which panel of |β| the part begins that starts at |κ|, if β < 0 there, and where it ends."""
+def _excited_panel(edge, kappa, side, shift, tiny, below):
+    """Return on which panel of |β| the part begins that starts at |κ|, if β < 0 there, and where it ends.
+
+    Last comes the number of edges below, from which the next search sets out: parts follow one another.
+    """
     beta = side * kappa + shift
     if side > 0.0:
-        n = count_below(edge, beta + tiny)
-        return n - 1, False, (edge[n] - shift if n < edge.shape[0] else np.inf)
+        n = _count_below(edge, beta + tiny, below)
+        return n - 1, False, (edge[n] - shift if n < edge.shape[0] else np.inf), n
     if beta > tiny:  # towards β = 0
-        n = count_below(edge, beta - tiny) - 1
-        return n, False, shift - edge[n]
-    n = count_below(edge, -beta + tiny)
-    return n - 1, True, (edge[n] + shift if n < edge.shape[0] else np.inf)
+        n = _count_below(edge, beta - tiny, below)
+        return n - 1, False, shift - edge[n - 1], n
+    n = _count_below(edge, -beta + tiny, below)
+    return n - 1, True, (edge[n] + shift if n < edge.shape[0] else np.inf), n
+
+
+@numba.njit(forceinline=True, error_model="numpy")
+def _count_below(edge, limit, guess):
+    """Return how many ascending edges are below a limit, from a guess."""
+    n = guess
+    while n < edge.shape[0] and edge[n] < limit:
+        n += 1
+    while n > 0 and edge[n - 1] >= limit:
+        n -= 1
+    return n
