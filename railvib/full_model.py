@@ -145,8 +145,8 @@ def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest):
     """Return ∫ |A(κ + shift)|² xⁿ dκ, x from −1 to 1 over a panel of |κ|, (lines, panels, order).
 
     Over lowest ≤ |κ + shift| ≤ highest, at the panels wanted, 0 elsewhere. Panels of κ and those of β cut
-    each other into parts with nodes of their own. `rows` tells which lines of `amplitude`, from `_amplitudes`,
-    these are.
+    each other into parts with nodes of their own. `rows` tells which lines of `amplitude`, from
+    `_amplitudes`, these are.
     """
     lines, panels = wanted.shape
     out = np.zeros((lines, panels, ORDER))
@@ -238,9 +238,9 @@ def _add(count, owner, moment, out):
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _amplitudes(parts):
-    """Return A at β, and at −β, where q is the conjugate, from `Excitation.turned`: (lines, 2, panels, 2·order).
+    """Return A at β, and at −β, where q is the conjugate, from `Excitation.turned`.
 
-    Real and imaginary parts of the powers of x in turn.
+    (lines, 2, panels, 2·order), real and imaginary parts of the powers of x in turn.
     """
     lines = parts.shape[2]
     panels = parts.shape[3] // ORDER
