@@ -1,5 +1,6 @@
 """Who computes a run: this process, processes started here, or the workers of a cluster."""
 
+import importlib
 import os
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -113,7 +114,9 @@ class Launch:
         returned waits for the result.
         """
         if self._starts_here and prefork.POSSIBLE:
-            return prefork.submit(function, argument)
+            waiting = prefork.submit(function, argument)
+            importlib.import_module("sweep.cluster")  # needed next, and the other process is not ready yet
+            return waiting
         result = function(argument)
         return lambda: result
 
@@ -148,10 +151,6 @@ class Launch:
         """
         if self.scheduler is None and self.file is None and self.processes == 0:
             return _alone()
-        if self._starts_here and prefork.POSSIBLE and not self.dashboard:
-            from sweep import processes
-
-            return processes.local(min(self.processes, tasks), kinds)
         from sweep import cluster
 
         if self.scheduler is not None:

@@ -7,10 +7,13 @@ from contextlib import suppress
 
 gc.disable()  # all that is imported stays: looking for garbage in it would take a sixth of the time
 
-import sweep.processes  # noqa: E402
+import distributed.nanny  # noqa: E402
+import distributed.worker  # noqa: E402
+
+import sweep.task  # noqa: E402
 from sweep.prefork import KINDS  # noqa: E402
 
-__all__ = ["sweep"]
+__all__ = ["distributed", "sweep"]
 
 with suppress(Exception):  # whatever is wrong will be wrong in the first task as well, and be told there
     importlib.import_module(os.environ[KINDS]).warm_up()

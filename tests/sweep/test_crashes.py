@@ -13,7 +13,7 @@ import psutil
 import pytest
 
 from queries.ingest import ingest
-from sweep import engine, plan, processes, records
+from sweep import cluster, engine, plan, records
 from sweep.task import Place
 from tests.sweep import driver, poisoned, toy
 from tests.sweep.small import STUDY, invoke
@@ -108,7 +108,7 @@ def test_six_killed_workers_lose_nothing(tmp_path):
                 victim.kill()
                 killed.append(victim.pid)
 
-    with processes.local(2, toy.__name__) as crew:
+    with cluster.local(2, toy.__name__) as crew:
         stop = threading.Event()
         killer = threading.Thread(target=kill, args=[stop])
         killer.start()

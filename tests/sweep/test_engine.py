@@ -5,7 +5,7 @@ import numpy as np
 import psutil
 import pytest
 
-from sweep import cluster, engine, plan, processes, records, store, task
+from sweep import cluster, engine, plan, records, store, task
 from sweep.task import Place
 from tests.sweep import toy
 
@@ -151,10 +151,9 @@ def test_damage_is_found_on_use_and_made_good(tmp_path):
     np.testing.assert_array_equal(value(tmp_path, part), [1, 4, 9])
 
 
-@pytest.mark.parametrize("local", [processes.local, cluster.local])
-def test_workers_compute_the_same(tmp_path, local):
+def test_workers_compute_the_same(tmp_path):
     wanted = [toy.total(number, number + 1, number + 2) for number in range(12)]
-    with local(2, toy.__name__) as crew:
+    with cluster.local(2, toy.__name__) as crew:
         assert crew.size == 2
         tally = run(tmp_path / "two", wanted, crew)
     run(tmp_path / "one", wanted, engine.ThisProcess())
@@ -171,10 +170,9 @@ def test_workers_compute_the_same(tmp_path, local):
     assert len(workers) == 2
 
 
-@pytest.mark.parametrize("local", [processes.local, cluster.local])
-def test_a_task_that_kills_its_worker_fails_alone(tmp_path, local):
+def test_a_task_that_kills_its_worker_fails_alone(tmp_path):
     wanted = [toy.total(number, number + 1, poisons={"9.0": "kill"}) for number in range(16)]
-    with local(2, toy.__name__) as crew:
+    with cluster.local(2, toy.__name__) as crew:
         tally = run(tmp_path, wanted, crew)
     assert (tally.failed, tally.skipped) == (1, 3)
     assert all(error == engine.LOST for _, error in tally.failures)
