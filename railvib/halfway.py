@@ -13,8 +13,7 @@ import numpy as np
 from railvib import blocks
 from railvib.blocks import STENCIL
 from railvib.track import Track, track_response
-from railvib.transfer import MOST_DECAY, Nodes, Receiver
-from railvib.vector_math import cos_sin, exp
+from railvib.transfer import Nodes, Receiver, undamped
 
 _GOOD = 1e-2
 """Share of the tolerance at which no better wave is looked for."""
@@ -170,13 +169,13 @@ def _largest_errors(
                 total[1, j] = 0.0
             for m in range(STENCIL):
                 row = first[i] + m
-                _decay(slowness[c] * row_omega[row], row_beta[row], way, -1.0, term)
+                undamped(slowness[c] * row_omega[row], row_beta[row], way, -1.0, term)
                 for j in range(nodes):
                     a = weight[i, m] * value[row, 2 * j]
                     b = weight[i, m] * value[row, 2 * j + 1]
                     total[0, j] += a * term[0, j] - b * term[1, j]
                     total[1, j] += a * term[1, j] + b * term[0, j]
-            _decay(slowness[c] * omega[i], beta[i], way, 1.0, term)
+            undamped(slowness[c] * omega[i], beta[i], way, 1.0, term)
             for j in range(nodes):
                 a = total[0, j] * term[0, j] - total[1, j] * term[1, j]
                 b = total[0, j] * term[1, j] + total[1, j] * term[0, j]
@@ -187,18 +186,3 @@ def _largest_errors(
                 worst = max(worst, term[0, j])
         out[c] = np.sqrt(worst)
     return out
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _decay(k, beta, distance, sign, out):
-    """Write e^{∓κ·distance}, κ² = β² − k², for ascending β: as `railvib.transfer.decay`, or its inverse."""
-    travelling = 0
-    while travelling < beta.shape[0] and beta[travelling] < k:
-        travelling += 1
-    for j in range(travelling):
-        c, s = cos_sin(np.sqrt(k * k - beta[j] * beta[j]) * distance)
-        out[0, j] = c
-        out[1, j] = -sign * s
-    for j in range(travelling, beta.shape[0]):
-        out[0, j] = exp(-sign * min(np.sqrt(max(beta[j] * beta[j] - k * k, 0.0)) * distance, MOST_DECAY))
-        out[1, j] = 0.0

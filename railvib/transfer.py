@@ -13,15 +13,16 @@ exactly: rails on pads resonate more sharply than damped ground, and would ask f
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
+from weakref import finalize
 
 import numba
 import numpy as np
 
 from railvib import blocks
-from railvib.panels import nodes_between
+from railvib.panels import ORDER, nodes_between
 from railvib.scattered import Rows, Tables, interpolated, joined
 from railvib.track import Track, track_response
 from railvib.vector_math import cos_sin, exp
@@ -125,17 +126,32 @@ class TransferBlock:
         kept with the table, which many cases share.
         """
         if track not in self._reduced:
-            value = self.transfer / _phase(self, self.frequency, self.wavenumber)
-            if track is not None and self.compliance is not None:
-                omega = 2.0 * np.pi * self.frequency[:, None]
-                value /= track_response(track, self.wavenumber, omega, self.compliance)[1]
-            self._reduced[track] = value
+            self._reduced[track] = np.asarray(
+                _reduced(
+                    np.ascontiguousarray(self.transfer).view(float),
+                    _inverse_force(self, track).view(float),
+                    2.0 * np.pi * self.reference_slowness * self.frequency,
+                    self.wavenumber,
+                    self.distance if self.reference_slowness > 0.0 else 0.0,
+                )
+            ).view(complex)
         return self._reduced[track]
 
     @cached_property
     def kept(self) -> dict[Any, Any]:
         """What others have derived from the table for the cases that share it."""
         return {}
+
+    def part(self, first: int, last: int) -> "TransferBlock":
+        """Return the table on some of its panels, from one to another."""
+        nodes = slice(ORDER * first, ORDER * (last + 1))
+        return replace(
+            self,
+            wavenumber=self.wavenumber[:, nodes],
+            transfer=self.transfer[:, nodes],
+            compliance=None if self.compliance is None else self.compliance[:, nodes],
+            edge=self.edge[first : last + 2],
+        )
 
     def rows(self, value: np.ndarray) -> Rows:
         """Return values at the table's frequencies and nodes for interpolation at scattered points."""
@@ -179,6 +195,17 @@ class Nodes:
         u = self.edge
         return np.where(u <= 1.0, dense * u, dense * (self.largest / dense) ** (u - 1.0))
 
+    def panels(self, frequency: np.ndarray, wavenumber: np.ndarray) -> tuple[int, int]:
+        """Return the first and the last of the panels that hold pairs of frequency and wavenumber.
+
+        One more on either side, as a pair may lie on an edge.
+        """
+        dense = 2.0 * np.pi * frequency * self.top_slowness
+        beyond = np.log(np.maximum(wavenumber / dense, 1.0)) / np.log(self.largest / dense)
+        u = np.minimum(wavenumber / dense, 1.0) + beyond
+        panel = np.searchsorted(self.edge, [u.min(), u.max()]) - 1
+        return max(int(panel[0]) - 1, 0), min(int(panel[1]) + 1, self.edge.size - 2)
+
     def wavenumber(self, frequency: np.ndarray) -> np.ndarray:
         """Return the nodes at frequencies (n,), rad/m, (n, node)."""
         return nodes_between(self.panel_edges(frequency))
@@ -187,7 +214,7 @@ class Nodes:
 def decay(frequency: np.ndarray, wavenumber: np.ndarray, distance: float, slowness: float) -> np.ndarray:
     """Return e^{−κ·distance} of an undamped wave, κ² = β² − (ω·slowness)², cut where nothing is left.
 
-    Frequencies are (n,) in Hz, wavenumbers (n, m) in rad/m.
+    Frequencies are (n,) in Hz, wavenumbers (n, m) in rad/m, ascending in each row.
     """
     if distance <= 0.0 or slowness <= 0.0:
         return np.ones(wavenumber.shape, complex)
@@ -198,17 +225,64 @@ def decay(frequency: np.ndarray, wavenumber: np.ndarray, distance: float, slowne
 def _decay(k, beta, distance):
     """Return real and imaginary parts in turn, (n, 2·m)."""
     out = np.empty((beta.shape[0], 2 * beta.shape[1]))
+    wave = np.empty((2, beta.shape[1]))
     for i in range(beta.shape[0]):
-        row = out[i]
+        undamped(k[i], beta[i], distance, 1.0, wave)
         for j in range(beta.shape[1]):
-            squared = beta[i, j] * beta[i, j] - k[i] * k[i]
-            size = np.sqrt(abs(squared)) * distance
-            evanescent = squared >= 0.0
-            c, s = cos_sin(size)
-            e = exp(-min(size, MOST_DECAY))
-            row[2 * j] = e if evanescent else c
-            row[2 * j + 1] = 0.0 if evanescent else -s
+            out[i, 2 * j] = wave[0, j]
+            out[i, 2 * j + 1] = wave[1, j]
     return out
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _reduced(transfer, inverse, k, beta, distance):
+    """Return transfer · inverse over the wave's decay, real and imaginary parts in turn, (n, 2·m)."""
+    out = np.empty(transfer.shape)
+    wave = np.empty((2, beta.shape[1]))
+    for i in range(beta.shape[0]):
+        undamped(k[i], beta[i], distance, -1.0, wave)
+        for j in range(beta.shape[1]):
+            a = transfer[i, 2 * j] * inverse[i, 2 * j] - transfer[i, 2 * j + 1] * inverse[i, 2 * j + 1]
+            b = transfer[i, 2 * j] * inverse[i, 2 * j + 1] + transfer[i, 2 * j + 1] * inverse[i, 2 * j]
+            out[i, 2 * j] = a * wave[0, j] - b * wave[1, j]
+            out[i, 2 * j + 1] = a * wave[1, j] + b * wave[0, j]
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def undamped(k, beta, distance, sign, out):
+    """Write e^{∓κ·distance}, κ² = β² − k², for ascending β: real parts first, then imaginary parts."""
+    travelling = 0
+    while travelling < beta.shape[0] and beta[travelling] < k:
+        travelling += 1
+    for j in range(travelling):
+        c, s = cos_sin(np.sqrt(abs(k * k - beta[j] * beta[j])) * distance)
+        out[0, j] = c
+        out[1, j] = -sign * s
+    # From 0 in views of their own: so the compiler makes vector code of it.
+    beyond = beta[travelling:]
+    real = out[0, travelling:]
+    imag = out[1, travelling:]
+    for j in range(beyond.shape[0]):
+        size = np.sqrt(abs(beyond[j] * beyond[j] - k * k)) * distance
+        real[j] = exp(-sign * min(size, MOST_DECAY))
+        imag[j] = 0.0
+
+
+_inverse_forces: dict[tuple[int, Track], np.ndarray] = {}
+"""By the compliance that tables have in common, as long as that is held."""
+
+
+def _inverse_force(table: TransferBlock, track: Track | None) -> np.ndarray:
+    """Return the force on the rail per force on the ground, 1 where the track is not put on the table."""
+    if track is None or table.compliance is None:
+        return np.ones(table.transfer.shape, complex)
+    key = id(table.compliance), track
+    if key not in _inverse_forces:
+        omega = 2.0 * np.pi * table.frequency[:, None]
+        _inverse_forces[key] = 1.0 / track_response(track, table.wavenumber, omega, table.compliance)[1]
+        finalize(table.compliance, _inverse_forces.pop, key, None)
+    return _inverse_forces[key]
 
 
 class TransferFunction:
@@ -320,6 +394,11 @@ class TransferFunction:
             table = self.blocks[int(block)]
             f = frequency[here]
             beta = np.minimum(wavenumber[here], table.largest)
+            # A load that moves steadily asks for few panels: the rest need not be reduced.
+            first, last = table.nodes.panels(f, beta)
+            if 2 * (last + 1 - first) < table.edge.size - 1:
+                table = table.part(first, last)
+            own = TransferFunction([table], self.track)
 
             def between(
                 rows: np.ndarray,
@@ -330,7 +409,7 @@ class TransferFunction:
             ) -> np.ndarray:
                 return interpolated(joined([table.rows(rows)]), f, beta)[:, None]
 
-            found = loaded([self], table.block, f, beta[:, None], between)[0][:, 0]
+            found = loaded([own], table.block, f, beta[:, None], between)[0][:, 0]
             value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)
         return value
 
