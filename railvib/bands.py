@@ -5,6 +5,7 @@ The same series serves frequencies in Hz and wavelengths in m.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -116,8 +117,9 @@ def band_mean_squares(frequency: ArrayLike, psd: ArrayLike, midband: ArrayLike) 
             f"{lower.min():.6g} to {upper.max():.6g} Hz"
         )
     starts, stops = (lower - grid[0]) / step, (upper - grid[0]) / step
-    polynomial = density @ _weights(starts, stops, grid.size, STENCIL).T * step
-    trapezoidal = density @ _weights(starts, stops, grid.size, 2).T * step
+    bounds = tuple(starts.tolist()), tuple(stops.tolist())
+    polynomial = density @ _weights(*bounds, grid.size, STENCIL) * step
+    trapezoidal = density @ _weights(*bounds, grid.size, 2) * step
     resolved = (polynomial > 0.5 * trapezoidal) & (polynomial < 2.0 * trapezoidal)
     return np.where(resolved, polynomial, trapezoidal)
 
@@ -151,15 +153,16 @@ def _uniform_step(grid: NDArray[np.float64], density: NDArray[np.float64]) -> fl
     return step
 
 
+@lru_cache(8)
 def _weights(
-    starts: NDArray[np.float64], stops: NDArray[np.float64], samples: int, stencil: int
+    starts: tuple[float, ...], stops: tuple[float, ...], samples: int, stencil: int
 ) -> NDArray[np.float64]:
-    """Return the quadrature weights, shape (band, sample), of intervals given in steps of the grid."""
+    """Return the quadrature weights, shape (sample, band), of intervals given in steps of the grid."""
     nodes = np.arange(stencil) - 0.5 * (stencil - 1)  # centred, for the sake of the powers
     powers = np.arange(1, stencil + 1)
     # Integrals of Lagrange's polynomials (columns) as coefficients of t, t², … (rows).
     primitive = np.linalg.inv(np.vander(nodes, increasing=True)) / powers[:, np.newaxis]
-    weights = np.zeros((starts.size, samples))
+    weights = np.zeros((len(starts), samples))
     for row, start, stop in zip(weights, starts, stops, strict=True):
         cells = np.arange(max(math.floor(start), 0), min(math.ceil(stop), samples - 1))
         first = np.clip(cells - (stencil - 1) // 2, 0, samples - stencil)
@@ -167,4 +170,4 @@ def _weights(
         outer = np.minimum(cells + 1, stop) - first + nodes[0]
         share = (outer[:, np.newaxis] ** powers - inner[:, np.newaxis] ** powers) @ primitive
         np.add.at(row, first[:, np.newaxis] + np.arange(stencil), share)
-    return weights
+    return np.ascontiguousarray(weights.T)

@@ -10,6 +10,7 @@ forms of the approach.
 
 from collections.abc import Mapping
 
+import numba
 import numpy as np
 
 from railvib.transfer import Receiver
@@ -67,36 +68,52 @@ def line_means(
     integrals: Mapping[Receiver, np.ndarray],
     distance: np.ndarray,
     axle_position: np.ndarray,
-    product: np.ndarray,
+    force: np.ndarray,
 ) -> dict[Receiver, np.ndarray]:
-    """Return ∫ |u|² dx over the whole line of the displacements that forces make at some receivers.
+    """Return ∫ |u|² dx over the whole line of the displacements that sets of forces make, each alone.
 
     Parameters
     ----------
     integrals, distance
-        M(d, f) of the receivers, m³/N², (lines, distances) each, and d ≥ 0, m, ascending.
+        M(d, f) of some receivers, m³/N², (lines, distances) each, and d ≥ 0, m, ascending.
     axle_position
         α, m, (axles,).
-    product
-        The forces' products from `force_products` at these lines, (lines, axles, axles), N².
+    force
+        Forces at the axles, complex (lines, axles, sets), N.
 
     Returns
     -------
     dict of ndarray, shape (lines,)
-        Σ_lm P_l* P_m M(α_l − α_m), m³.
+        Σ_s Σ_lm P_ls* P_ms M(α_l − α_m), m³.
 
     Notes
     -----
-    M is real and even, so that only the real part of the products counts, summed by distance.
+    M is real and even, so that only the real part of the forces' products counts, summed by distance.
     """
-    column = _columns(distance, axle_position).ravel()
-    order = np.argsort(column, kind="stable")
-    found, first = np.unique(column[order], return_index=True)
-    summed = np.add.reduceat(product.real.reshape(product.shape[0], -1)[:, order], first, axis=1)
+    parts = np.ascontiguousarray(force, complex).view(float)
+    summed = _by_distance(parts, _columns(distance, axle_position), distance.size)
     return {
-        receiver: np.asarray(np.einsum("fd,fd->f", integral[:, found], summed))
+        receiver: np.asarray(np.einsum("fd,fd->f", integral, summed))
         for receiver, integral in integrals.items()
     }
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+def _by_distance(force, column, distances):
+    """Return Σ_s Re P_ls* P_ms summed over the axles l and m at each distance, (lines, distances).
+
+    Real and imaginary parts of the forces are in turn, (lines, axles, 2·sets).
+    """
+    lines, axles, parts = force.shape
+    out = np.zeros((lines, distances))
+    for i in range(lines):
+        for k in range(axles):
+            for m in range(k + 1):
+                total = 0.0
+                for n in range(parts):
+                    total += force[i, k, n] * force[i, m, n]
+                out[i, column[k, m]] += total if m == k else 2.0 * total
+    return out
 
 
 def _responses(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:

@@ -277,14 +277,15 @@ def _means(
     over_train: Mapping[Receiver, TrainIntegrals],
 ) -> Means:
     """Return ∫ |u|² dx summed over sets of forces (lines, axles, sets), each alone."""
-    product = force_products(sets)
     here = {receiver: each[rows] for receiver, each in integrals.items()}
     means = {
         receiver: {"line": mean}
-        for receiver, mean in line_means(here, distance, train.axle_positions, product).items()
+        for receiver, mean in line_means(here, distance, train.axle_positions, sets).items()
     }
-    for receiver, each in over_train.items():
-        means[receiver]["train"] = np.einsum("flm,flm->f", product, each.integral[rows]).real
+    if over_train:
+        product = force_products(sets)
+        for receiver, each in over_train.items():
+            means[receiver]["train"] = np.einsum("flm,flm->f", product, each.integral[rows]).real
     return means
 
 
