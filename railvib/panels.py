@@ -43,8 +43,8 @@ def to_legendre(value: np.ndarray) -> np.ndarray:
 
 def unresolved(value: np.ndarray) -> np.ndarray:
     """Return the size of the last Legendre coefficients of panels (…, panels × order), shape (…, panels)."""
-    coefficient = to_legendre(value.reshape(*value.shape[:-1], -1, ORDER))
-    return np.asarray(np.abs(coefficient[..., -2:]).max(axis=-1))
+    last = value.reshape(*value.shape[:-1], -1, ORDER) @ TO_LEGENDRE[-2:].T
+    return np.asarray(np.abs(last).max(axis=-1))
 
 
 @numba.njit(forceinline=True, error_model="numpy")

@@ -99,10 +99,7 @@ def _resolved(
     rail: TransferFunction, track: Track, speed: float, frequency: np.ndarray, tolerance: float
 ) -> _Panels:
     """Return panels that resolve the response."""
-    edge, count = _edges(rail, frequency, speed)
-    owner = np.repeat(np.arange(frequency.size), count - 1)
-    inner = np.arange(edge.shape[1] - 1) < count[:, None] - 1
-    low, high = edge[:, :-1][inner], edge[:, 1:][inner]
+    owner, low, high = _first_panels(rail, frequency, speed)
     centre, half = 0.5 * (high + low), 0.5 * (high - low)
     peak = np.zeros(frequency.size)
     parts: list[_Panels] = []
@@ -128,12 +125,14 @@ def _resolved(
     return _Panels(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
-def _edges(rail: TransferFunction, frequency: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the edges of the first panels, (n, edges), ascending, and how many of them count.
+def _first_panels(
+    rail: TransferFunction, frequency: np.ndarray, speed: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the first panels of all frequencies: which frequency, and the lower and the upper edge.
 
-    They are the tables' slownesses as a moving load sees them, powers of two from there to the largest β, and
-    the tail's. Of the tables' edges every third is taken: their panels resolve the ground at some distance as
-    well.
+    Edges are the tables' slownesses as a moving load sees them, powers of two from there to the largest β,
+    and the tail's. Of the tables' edges every third is taken: their panels resolve the ground at some
+    distance as well.
     """
     largest = rail.reach
     which = blocks.assigned(frequency, rail.blocks)
@@ -156,24 +155,19 @@ def _edges(rail: TransferFunction, frequency: np.ndarray, speed: float) -> tuple
             near = np.where(far < _TURN_SEEN * turn, far, np.inf)
             parts += [_within(each, largest) for each in (behind, -far, turn + near, turn - near)]
             parts += [_within(turn, tail[-1]), -ends[:, 1:]]
-        found.append((which == block, _distinct(np.concatenate(parts, axis=1), 1e-9 * largest)))
-    edge = np.full((frequency.size, max(each.shape[1] for _, each in found)), np.inf)
-    for rows, each in found:
-        edge[rows, : each.shape[1]] = each
-    return edge, np.isfinite(edge).sum(axis=1)
+        edge = np.sort(np.concatenate(parts, axis=1), axis=1)
+        distinct = np.isfinite(edge)
+        distinct[:, 1:] &= edge[:, 1:] > edge[:, :-1] + 1e-9 * largest
+        row, edge = np.nonzero(distinct)[0], edge[distinct]
+        inner = row[1:] == row[:-1]
+        found.append((np.flatnonzero(which == block)[row[1:][inner]], edge[:-1][inner], edge[1:][inner]))
+    owner, low, high = (np.concatenate(each) for each in zip(*found, strict=True))
+    return owner, low, high
 
 
 def _within(value: np.ndarray, limit: float) -> np.ndarray:
     """Return values, infinite in place of those that are not inside a limit."""
     return np.where(np.abs(value) < limit, value, np.inf)
-
-
-def _distinct(value: np.ndarray, least: float) -> np.ndarray:
-    """Return rows of values ascending, infinite in place of those nearer than `least` to the one before."""
-    ascending = np.sort(value, axis=1)
-    with np.errstate(invalid="ignore"):
-        ascending[:, 1:][np.diff(ascending, axis=1) <= least] = np.inf
-    return np.sort(ascending, axis=1)
 
 
 @numba.njit(cache=True, error_model="numpy")
