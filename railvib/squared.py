@@ -7,6 +7,7 @@ leads to them (compliance, track, decay) runs in one pass over the nodes of a fr
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
+from weakref import finalize
 
 import numba
 import numpy as np
@@ -96,6 +97,7 @@ def _squares(function: TransferFunction, block: int, tolerance: float) -> Square
         level = _level(table, function.track, tolerance)
         frequency = blocks.frequency(level, blocks.indices(block, level))
         table.kept[key] = Squares(level, _evaluated(table, function.track, frequency))
+        table.forget_reduced()
     kept: Squares = table.kept[key]
     return kept
 
@@ -125,11 +127,16 @@ def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray)
     first, weight = blocks.stencils(table.block, table.level, frequency)
     value = np.ones((frequency.size, table.transfer.shape[1]))
     if track is not None and table.compliance is not None:
-        compliance = _floats(table.compliance)
-        rail, centre, force = _on_track(first, weight, compliance, edge, omega, last, *parameters(track))
-        if table.receiver == "rail" or table.offset == 0.0:
-            return np.asarray(rail if table.receiver == "rail" else centre)
-        value = force
+        key = id(table.compliance), track, frequency.tobytes()
+        own = table.receiver == "rail" or table.offset == 0.0
+        if own or key not in _forces:
+            compliance = _floats(table.compliance)
+            rail, centre, force = _on_track(first, weight, compliance, edge, omega, *parameters(track))
+            if own:
+                return np.asarray(rail if table.receiver == "rail" else centre)
+            _forces[key] = force.copy()
+            finalize(table.compliance, _forces.pop, key, None)
+        value[:] = _forces[key]
     _times_squares(
         first,
         weight,
@@ -143,6 +150,10 @@ def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray)
     return value
 
 
+_forces: dict[tuple[int, Track, bytes], np.ndarray] = {}
+"""|Ground's force|² by the compliance that tables have in common, as long as that is held."""
+
+
 def _last(table: TransferBlock) -> float:
     """Return the wavenumber beyond which nothing is left of a field that no wave carries, rad/m."""
     return _NOTHING / (_SLOWEST * table.distance) if table.distance > 0.0 else np.inf
@@ -153,21 +164,18 @@ def _floats(table: np.ndarray) -> np.ndarray:
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _on_track(first, weight, compliance, edge, omega, last, bed, support, pad, rail):
-    """Return |H̃|² of the rail and of the ground under it, and |ground's force|²; (3, lines, nodes).
-
-    On panels that begin below `last`; zero beyond.
-    """
+def _on_track(first, weight, compliance, edge, omega, bed, support, pad, rail):
+    """Return |H̃|² of the rail and of the ground under it, and |ground's force|²; (3, lines, nodes)."""
     nodes = ORDER * (edge.shape[1] - 1)
-    out = np.zeros((3, edge.shape[0], nodes))
+    out = np.empty((3, edge.shape[0], nodes))
     q = np.empty(6 * LANES)
     under = np.empty(2 * nodes)
     beta = np.empty(nodes)
     for i in range(edge.shape[0]):
-        end = _nodes_below(last[i], edge[i], beta)
-        combine(first[i], weight[i], compliance, under[: 2 * end])
-        for start in range(0, end, LANES):
-            m = min(LANES, end - start)
+        _nodes_below(np.inf, edge[i], beta)
+        combine(first[i], weight[i], compliance, under)
+        for start in range(0, nodes, LANES):
+            m = min(LANES, nodes - start)
             for j in range(m):
                 q[j] = under[2 * (start + j)]
                 q[LANES + j] = under[2 * (start + j) + 1]

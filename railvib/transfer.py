@@ -137,6 +137,10 @@ class TransferBlock:
             ).view(complex)
         return self._reduced[track]
 
+    def forget_reduced(self) -> None:
+        """Let go of what is interpolated: it takes as much memory as the table, and is quickly made again."""
+        self._reduced.clear()
+
     @cached_property
     def kept(self) -> dict[Any, Any]:
         """What others have derived from the table for the cases that share it."""

@@ -6,7 +6,6 @@ failure.
 """
 
 import contextlib
-import dataclasses
 import os
 import resource
 import socket
@@ -33,6 +32,10 @@ NEGLIGIBLE_S = 2e-5
 """Time between a result's stages that is not worth a stage of its own."""
 CACHE_BYTES = 128 * 2**20
 """What a worker keeps of the results that it has stored or read, for the tasks that follow."""
+UNMEASURED = 16
+"""Results that are held before all are measured anew, as what is derived from them grows."""
+ROOM = 0.9
+"""Share of the cache that is left in use when it is full."""
 
 
 @dataclass(frozen=True)
@@ -105,13 +108,17 @@ class WithdrawnError(Exception):
 
 
 class Cache:
-    """The results used last, up to a number of bytes; an array that some have in common counts once."""
+    """The results used last, up to a number of bytes.
+
+    An array that some have in common counts once, and what has been derived from a result and is kept with it
+    counts as well: it is measured some results later.
+    """
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
         self._held = 0
+        self._unmeasured = 0
         self._results: OrderedDict[tuple[str, str], Any] = OrderedDict()
-        self._holders: Counter[int] = Counter()
 
     def get(self, key: tuple[str, str]) -> Any:
         """Return a result, or None where it is not held."""
@@ -125,23 +132,32 @@ class Cache:
         if key in self._results:
             return
         self._results[key] = result
-        for array in _arrays(result):
-            if self._holders[id(array)] == 0:
-                self._held += array.nbytes
-            self._holders[id(array)] += 1
-        while self._held > self._limit:
-            _, dropped = self._results.popitem(last=False)
-            for array in _arrays(dropped):
-                self._holders[id(array)] -= 1
-                if self._holders[id(array)] == 0:
-                    del self._holders[id(array)]
-                    self._held -= array.nbytes
+        self._held += sum(array.nbytes for array in _arrays(vars(result)))
+        self._unmeasured += 1
+        if self._held > self._limit or self._unmeasured >= UNMEASURED:
+            self._measure()
 
     def clear(self) -> None:
         """Let go of all."""
         self._results.clear()
-        self._holders.clear()
-        self._held = 0
+        self._held = self._unmeasured = 0
+
+    def _measure(self) -> None:
+        """Find what is held, and let go of enough that the next measurement is some results away."""
+        arrays = {key: _arrays(vars(result)) for key, result in self._results.items()}
+        holders = Counter(id(array) for held in arrays.values() for array in held)
+        size = {id(array): array.nbytes for held in arrays.values() for array in held}
+        self._held, self._unmeasured = sum(size.values()), 0
+        if self._held <= self._limit:
+            return
+        for key, held in arrays.items():
+            if self._held <= ROOM * self._limit:
+                return
+            del self._results[key]
+            for array in held:
+                holders[id(array)] -= 1
+                if holders[id(array)] == 0:
+                    self._held -= size[id(array)]
 
 
 _cache = Cache(CACHE_BYTES)
@@ -396,10 +412,13 @@ def _share(
     return shares
 
 
-def _arrays(result: Any) -> list[np.ndarray]:
-    """Return the arrays of a result."""
-    values = (getattr(result, field.name) for field in dataclasses.fields(result))
-    return [value for value in values if isinstance(value, np.ndarray)]
+def _arrays(value: Any) -> list[np.ndarray]:
+    """Return the arrays in dictionaries and tuples."""
+    if isinstance(value, np.ndarray):
+        return [value]
+    if isinstance(value, dict):
+        return [array for each in value.values() for array in _arrays(each)]
+    return [array for each in value for array in _arrays(each)] if isinstance(value, tuple) else []
 
 
 def _now() -> str:
