@@ -14,6 +14,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
 from queries import compare, database, page_data, provenance, summary
+from queries.compare import Pair
 from queries.database import ResultsError
 
 _PAGE = resources.files("queries") / "page"
@@ -71,7 +72,7 @@ def page(connection: duckdb.DuckDBPyConnection) -> str:
                 *(
                     compare.error_table(connection, pair, by)
                     for pair in compare.pairs(connection)
-                    for by in _groupings(connection)
+                    for by in _groupings(connection, pair)
                 ),
                 compare.cost_table(connection, by_case=True),
             ],
@@ -83,12 +84,13 @@ def page(connection: duckdb.DuckDBPyConnection) -> str:
     )
 
 
-def _groupings(connection: duckdb.DuckDBPyConnection) -> list[tuple[str, ...] | None]:
+def _groupings(connection: duckdb.DuckDBPyConnection, pair: Pair) -> list[tuple[str, ...] | None]:
     """Return what error tables are grouped by: case and receiver, or each alone where there are many."""
-    rows = connection.execute(
-        "SELECT count(*) FROM (SELECT DISTINCT case_id, receiver, offset_m FROM accuracy)"
+    row = connection.execute(
+        f"SELECT count(*) FROM (SELECT DISTINCT case_id, receiver, offset_m FROM ({pair.rows}))",
+        list(pair.given),
     ).fetchone()
-    few = not rows or rows[0] <= _MOST_ROWS
+    few = not row or row[0] <= _MOST_ROWS
     return [None] if few else [(*compare.varying(connection),), ("receiver",)]
 
 
