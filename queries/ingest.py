@@ -64,8 +64,21 @@ class _Source:
     fingerprint: str
 
 
+def begin(directory: Path | str) -> Path:
+    """Make the empty database that the first ingest of a run directory fills, and return its file."""
+    path = database.locate(directory).path
+    begun = path.with_name(f"{path.name}.{os.getpid()}.begun.partial")
+    if not path.exists():
+        begun.unlink(missing_ok=True)
+        schema.create(begun).close()
+    return begun
+
+
 def ingest(
-    directories: Path | str | Sequence[Path | str], rebuild: bool = False, file: Path | str | None = None
+    directories: Path | str | Sequence[Path | str],
+    rebuild: bool = False,
+    file: Path | str | None = None,
+    begun: Path | None = None,
 ) -> Ingest:
     """Derive a database from the records and stores of run directories, unless it is up to date.
 
@@ -81,6 +94,8 @@ def ingest(
         Make the file anew, from the records and stores of `directories` alone.
     file
         The database; by default that of the one run directory.
+    begun
+        An empty database, if `begin` has made one; it is used up.
 
     Raises
     ------
@@ -113,7 +128,10 @@ def ingest(
     backup = None
     try:
         partial.unlink(missing_ok=True)
-        if before is None:
+        if before is None and begun is not None and begun.exists():
+            begun.replace(partial)
+            connection = schema.open_for_writing(partial)
+        elif before is None:
             connection = schema.create(partial)
         else:
             if before.version < schema.latest():

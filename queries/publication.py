@@ -22,7 +22,7 @@ def refresh(named: Path | str) -> None:
         ingest(named)
 
 
-def publish(directory: Path, crew: Crew) -> None:
+def publish(directory: Path, crew: Crew, begun: Path | None = None) -> None:
     """Publish database, figures and report of a run directory, and print the comparison.
 
     A report that shows the published snapshot is left alone; figures are redrawn only where results changed.
@@ -33,9 +33,11 @@ def publish(directory: Path, crew: Crew) -> None:
         Of the run.
     crew
         Draws the figures while the report is made.
+    begun
+        What `queries.ingest.begin` has made.
     """
     place = database.locate(directory)
-    ingest(directory)
+    ingest(directory, begun=begun)
     with database.connect(directory, bounded=True) as connection:
         now, before = database.snapshot(connection), report.shown(place.report)
         stale = before[1:] != now[1:] or not figures.drawn(connection, place.figures)

@@ -195,15 +195,19 @@ def test_publishing_that_is_given_notice_leaves_the_same_and_no_process(study, m
     figure = directory / "figures" / "figure-03-unevenness.png"
     before = figure.read_bytes()
     shutil.rmtree(directory / "figures")
-    (directory / "report.html").unlink()
+    for name in ("report.html", "results.duckdb"):
+        (directory / name).unlink()
     with queries.after_run(directory) as publisher:
         publisher.get_ready()
         publisher.publish()
     assert figure.read_bytes() == before
     assert (directory / "report.html").exists()
+    assert not list(directory.glob("results.duckdb.*"))
+    (directory / "results.duckdb").unlink()
     with queries.after_run(directory) as publisher:
         publisher.get_ready()  # and then the run is interrupted
         (process,) = multiprocessing.active_children()
+    assert not list(directory.glob("results.duckdb.*"))
     assert process.exitcode is not None
     assert multiprocessing.active_children() == []
 
