@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from railvib import blocks
-from railvib.blocks import combine
+from railvib.blocks import STENCIL, combine
 from railvib.panels import NODE, ORDER
 from railvib.track import Track, load, parameters
 from railvib.transfer import MOST_DECAY, Nodes, Receiver, TransferBlock, TransferFunction
@@ -26,8 +26,8 @@ _SLOWEST = 0.6
 _CHECKS = 5
 _LEVELS_BEYOND, _MOST_LEVELS = 3, 6
 """Levels beyond that of the table, between whose frequencies nothing new is known, and levels at all."""
-_SHARE = 0.5
-"""Of the tolerance, what interpolation of squares may take: half in the square is a quarter in amplitude."""
+_SHARE = 1.0
+"""Of the tolerance, what interpolation of squares may take: half of what the tables' own may."""
 _SMALL = 1e-8
 """Of a square's peak, below which errors are relative to that: excitations do not differ by as much."""
 
@@ -94,37 +94,59 @@ def _squares(function: TransferFunction, block: int, tolerance: float) -> Square
     table = function.blocks[block]
     key = function.track, tolerance
     if key not in table.kept:
-        level = _level(table, function.track, tolerance)
-        frequency = blocks.frequency(level, blocks.indices(block, level))
-        table.kept[key] = Squares(level, _evaluated(table, function.track, frequency))
+        table.kept[key] = _tabulated(table, function.track, tolerance)
         table.forget_reduced()
     kept: Squares = table.kept[key]
     return kept
 
 
-def _level(table: TransferBlock, track: Track | None, tolerance: float) -> int:
-    """Return the first level from that of the table on at which squares pass a check half-way."""
+def _tabulated(table: TransferBlock, track: Track | None, tolerance: float) -> Squares:
+    """Return squares at the first level from that of the table on at which they pass a check half-way."""
     last = max(table.level, min(table.level + _LEVELS_BEYOND, _MOST_LEVELS))
-    for level in range(table.level, last):
-        between = blocks.frequency(level + 1, blocks.halfway(table.block, level, _CHECKS))
-        first, weight = blocks.stencils(table.block, level, between)
-        rows = np.unique(first[:, None] + np.arange(blocks.STENCIL))
-        near = blocks.frequency(level, blocks.indices(table.block, level)[rows])
-        value = _evaluated(table, track, np.concatenate([near, between]))
-        direct = value[near.size :]
-        interpolated = blocks.combined(np.searchsorted(rows, first), weight, value[: near.size])
-        size = np.maximum(direct, _SMALL * direct.max(axis=1, keepdims=True))
-        if (np.abs(interpolated - direct) / size).max() <= _SHARE * tolerance:
-            return level
-    return last
+    level = table.level
+    while level < last and not _passes(table, track, level, tolerance):
+        level += 1
+    own = table.transfer.real**2 + table.transfer.imag**2
+    if level == table.level:
+        return Squares(level, own)
+    k = blocks.indices(table.block, level)
+    step = 2 ** (level - table.level)
+    there = k % step == 0
+    value = np.empty((k.size, own.shape[1]))
+    value[there] = own[k[there] // step - blocks.indices(table.block, table.level)[0]]
+    value[~there] = _evaluated(table, track, blocks.frequency(level, k[~there]))
+    return Squares(level, value)
 
 
-def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray) -> np.ndarray:
-    """Return |H̃|² of a receiver at frequencies of a block from what its table interpolates, (n, node)."""
+def _passes(table: TransferBlock, track: Track | None, level: int, tolerance: float) -> bool:
+    """Return whether squares at a level can be interpolated, where that is checked."""
+    between = blocks.frequency(level + 1, blocks.halfway(table.block, level, _CHECKS))
+    first, weight = blocks.stencils(table.block, level, between)
+    rows = np.unique(first[:, None] + np.arange(STENCIL))
+    if level == table.level:
+        table = table.at_rows(rows)
+        near = table.transfer.real**2 + table.transfer.imag**2
+        direct = _evaluated(table, track, between, np.searchsorted(rows, first))
+    else:
+        near = _evaluated(table, track, blocks.frequency(level, blocks.indices(table.block, level)[rows]))
+        direct = _evaluated(table, track, between)
+    interpolated = blocks.combined(np.searchsorted(rows, first), weight, near)
+    size = np.maximum(direct, _SMALL * direct.max(axis=1, keepdims=True))
+    return float((np.abs(interpolated - direct) / size).max()) <= _SHARE * tolerance
+
+
+def _evaluated(
+    table: TransferBlock, track: Track | None, frequency: np.ndarray, start: np.ndarray | None = None
+) -> np.ndarray:
+    """Return |H̃|² of a receiver at frequencies of a block from what its table interpolates, (n, node).
+
+    `start` tells where the stencils of the frequencies begin, if the table has not all rows of its level.
+    """
     edge = table.nodes.panel_edges(frequency)
     omega = 2.0 * np.pi * frequency
     last = np.maximum(_last(table), omega * table.top_slowness)
     first, weight = blocks.stencils(table.block, table.level, frequency)
+    first = first if start is None else start
     value = np.ones((frequency.size, table.transfer.shape[1]))
     if track is not None and table.compliance is not None:
         key = id(table.compliance), track, frequency.tobytes()

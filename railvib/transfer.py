@@ -157,6 +157,16 @@ class TransferBlock:
             edge=self.edge[first : last + 2],
         )
 
+    def at_rows(self, rows: np.ndarray) -> "TransferBlock":
+        """Return the table at some of its frequencies."""
+        return replace(
+            self,
+            frequency=self.frequency[rows],
+            wavenumber=self.wavenumber[rows],
+            transfer=self.transfer[rows],
+            compliance=None if self.compliance is None else self.compliance[rows],
+        )
+
     def rows(self, value: np.ndarray) -> Rows:
         """Return values at the table's frequencies and nodes for interpolation at scattered points."""
         return Rows(self.block, self.level, self.top_slowness, self.largest, self.edge, value)
