@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railvib import blocks, cost
+from railvib.fast_phases import Load, Reduced, smoothest
 from railvib.rail_integrals import rail_integrals
 from railvib.tabulation import largest_wavenumber
 from railvib.track import Track
@@ -20,6 +21,10 @@ from railvib.transfer import TransferFunction
 
 _MOST_LEVELS = 6
 _CHECKS = 5
+_STORED_CHECKS = 25
+"""Half-way between stored frequencies, where interpolation with and without fast phases is compared."""
+_DIRECT_SHARE = 0.08
+"""Of the tolerance, what interpolation without fast phases may take: of 0.1 for all."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +64,9 @@ def receptance_blocks(
 ) -> Iterator[ReceptanceBlock]:
     """Tabulate receptances over blocks of frequencies, each at the first level that passes a check half-way.
 
+    They are computed where they determine what does not turn fast with frequency (`railvib.fast_phases`), and
+    stored at frequencies so near each other that they can be interpolated as they are.
+
     Parameters
     ----------
     rail
@@ -75,6 +83,7 @@ def receptance_blocks(
         For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
     """
     d = np.unique(np.asarray(distances, float))
+    load = Load(rail, track, speed, np.append(d, 0.0))
     known: dict[float, np.ndarray] = {}
 
     def rows(*places: tuple[int, np.ndarray]) -> list[np.ndarray]:
@@ -87,7 +96,7 @@ def receptance_blocks(
         new = [place for place in at if place not in known]
         if new:
             frequency = np.array([at[place] for place in new])
-            computed = receptances(rail, track, speed, np.append(d, 0.0), frequency, tolerance)
+            computed = receptances(rail, track, speed, load.distance, frequency, tolerance)
             known.update(zip(new, computed, strict=True))
         return [np.array([known[index / 2.0**level] for index in indices]) for level, indices in places]
 
@@ -95,23 +104,45 @@ def receptance_blocks(
     for block in which:
         passed = None
         for level in range(_MOST_LEVELS + beyond + 1):
-            indices, halfway = blocks.indices(block, level), blocks.halfway(block, level, _CHECKS)
-            tabulated, direct = rows((level, indices), (level + 1, halfway))
-            interpolated = blocks.interpolated(block, level, blocks.frequency(level + 1, halfway), tabulated)
-            error = float((np.abs(interpolated - direct) / np.abs(direct[:, -1:])).max())
-            if passed is None and (error <= 0.1 * tolerance or level == _MOST_LEVELS):
+            halfway = blocks.halfway(block, level, _CHECKS)
+            tabulated, direct = rows((level, blocks.indices(block, level)), (level + 1, halfway))
+            between = blocks.frequency(level + 1, halfway)
+            enough = _DIRECT_SHARE * tolerance
+            found, error = smoothest(load, block, level, tabulated, between, direct, enough)
+            if passed is None and (error <= enough or level == _MOST_LEVELS):
                 passed = level
             if passed is not None and level >= passed + beyond:
                 break
-        yield ReceptanceBlock(
-            frequency=blocks.frequency(level, indices),
-            distance=d,
-            receptance=np.ascontiguousarray(tabulated[:, :-1]),
-            block=block,
-            level=level,
-            speed=speed,
-            interpolation_error=error,
-        )
+        yield _stored(found, tabulated, d, error, tolerance, level + beyond)
+
+
+def _stored(
+    found: Reduced, tabulated: np.ndarray, distance: np.ndarray, error: float, tolerance: float, least: int
+) -> ReceptanceBlock:
+    """Return the block to be stored: at frequencies so near each other that no phase need be taken out."""
+    block = found.block
+    for level in range(least, max(least, _MOST_LEVELS) + 1):
+        frequency = blocks.frequency(level, blocks.indices(block, level))
+        receptance = tabulated if level == found.level else found.at(frequency)
+        between = blocks.frequency(level + 1, blocks.halfway(block, level, _STORED_CHECKS))
+        interpolated = blocks.interpolated(block, level, between, receptance)
+        further = _largest_error(interpolated, found.at(between))
+        if further <= (0.1 - _DIRECT_SHARE) * tolerance:
+            break
+    return ReceptanceBlock(
+        frequency=frequency,
+        distance=distance,
+        receptance=np.ascontiguousarray(receptance[:, :-1]),
+        block=block,
+        level=level,
+        speed=found.load.speed,
+        interpolation_error=error + further,
+    )
+
+
+def _largest_error(value: np.ndarray, exact: np.ndarray) -> float:
+    """Return the largest error, relative to the receptance at the load, the last one."""
+    return float((np.abs(value - exact) / np.abs(exact[:, -1:])).max())
 
 
 def receptance_block(

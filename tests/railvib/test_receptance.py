@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from railvib import blocks
+from railvib.fast_phases import Load
 from railvib.ground import Ground, Layer
 from railvib.moving_transfer import moving_transfer_block
 from railvib.panels import WEIGHT, nodes_between
@@ -60,6 +61,25 @@ def test_against_quadrature(rail, track, speed, frequency):
     direct /= 2.0 * np.pi
     found = receptances(rail, track, speed, DISTANCES, [frequency])[0]
     np.testing.assert_allclose(np.abs(found - direct) / np.abs(direct[2]), 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("speed", [0.0, 6.0, 40.0, 90.0])
+def test_distant_axles(rail, track, speed):
+    """Where waves turn fast and where the damping's change of sign outlasts them."""
+    distances = [-101.5, -40.0, 0.0, 40.0, 101.5]
+    table = Receptances(receptance_blocks(rail, track, speed, distances, range(2, -4, -1)))
+    f = np.geomspace(0.04, 35.0, 150)
+    direct = receptances(rail, track, speed, distances, f, 1e-6)
+    np.testing.assert_allclose(np.abs(table.at(f) - direct) / np.abs(direct[:, 2:3]), 0.0, atol=1e-5)
+    for block in table.blocks.values():
+        assert block.interpolation_error <= 1e-5
+
+
+def test_the_change_of_sign_outlasts_the_waves(rail, track):
+    load = Load(rail, track, 25.0, np.array([-2000.0, -1500.0, 1500.0, 2000.0]))
+    f = np.array([8.0, 20.0])
+    found = receptances(rail, track, load.speed, load.distance, f, 1e-8)
+    np.testing.assert_allclose(load.dragged(f) / found, 1.0, atol=0.05)
 
 
 def test_blocks_together_are_those_alone(rail, track):
