@@ -96,3 +96,12 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
                 real[k, i] += constant.real / (2.0 * b)
                 imag[k, i] += constant.imag / (2.0 * b)
     return real, imag
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def products(real, imag, factor, out):
+    """Write rows of complex numbers times a row of complex factors, real and imaginary parts in turn."""
+    for i in range(real.shape[0]):
+        for j in range(real.shape[1]):
+            out[i, 2 * j] = real[i, j] * factor[j].real - imag[i, j] * factor[j].imag
+            out[i, 2 * j + 1] = real[i, j] * factor[j].imag + imag[i, j] * factor[j].real

@@ -17,7 +17,7 @@ from railvib.ground_fits import GroundFits
 from railvib.halfway import Halfway
 from railvib.panels import nodes_between, unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
-from railvib.strip import strip_compliances
+from railvib.strip import products, strip_compliances
 from railvib.track import Track, track_response
 from railvib.transfer import Nodes, Receiver, TransferBlock
 
@@ -147,8 +147,6 @@ class Evaluation:
         with cost.stage("transfer functions") as spent:
             if fit.error <= 1e-2 * self.tolerance:
                 real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, self.offsets)
-                compliance = np.empty(real.shape, complex)
-                compliance.real, compliance.imag = real, imag
             else:
                 self.failed.add(f)
                 compliance = np.array(
@@ -159,13 +157,14 @@ class Evaluation:
                         for each in beta
                     ]
                 ).T
-            self.compliance = compliance[0]
+                real, imag = compliance.real, compliance.imag
+            self.compliance = real[0] + 1j * imag[0]
             rail, force = track_response(self.track, beta, 2.0 * np.pi * f, self.compliance)
             spent.evaluations += beta.size
             spent.kernel_calls += 1
-        values = np.empty((1 + self.offsets.size, beta.size), complex)
-        values[0] = rail
-        np.multiply(force, compliance, out=values[1:])
+            values = np.empty((1 + self.offsets.size, beta.size), complex)
+            values[0] = rail
+            products(np.ascontiguousarray(real), np.ascontiguousarray(imag), force, values[1:].view(float))
         return values
 
 
@@ -190,17 +189,23 @@ class _Samples:
 
     def evaluate(self, level: int, ks: np.ndarray, receivers: list[Receiver]) -> None:
         """Compute what is missing of receivers at frequencies of a level, and of the ground at 0."""
+        wanted: dict[tuple[Receiver, ...], list[int]] = {}
         for k in map(int, ks):
             known = self._known.setdefault(_coarsest(level, k), {})
-            missing = [each for each in receivers if each not in known]
-            if not missing:
-                continue
+            missing = tuple(each for each in receivers if each not in known)
+            if missing:
+                wanted.setdefault(missing, []).append(k)
+        for missing, some in wanted.items():
             offsets = [float(each) for each in missing if each != "rail"]
             evaluate = self._model(self.fits, self.track, offsets, self.tolerance)
-            values = evaluate(level, k, self.nodes.wavenumber(blocks.frequency(level, np.array([k])))[0])
-            known.update({each: values[evaluate.row(each)] for each in (0.0, *missing)})
-            if evaluate.compliance is not None:
-                known[self.COMPLIANCE] = evaluate.compliance
+            rows = [(each, evaluate.row(each)) for each in (0.0, *missing)]
+            beta = self.nodes.wavenumber(blocks.frequency(level, np.array(some)))
+            for k, own in zip(some, beta, strict=True):
+                values = evaluate(level, k, own)
+                known = self._known[_coarsest(level, k)]
+                known.update({each: values[row] for each, row in rows})
+                if evaluate.compliance is not None:
+                    known[self.COMPLIANCE] = evaluate.compliance
             self.failed |= evaluate.failed
 
     def at(self, level: int, ks: np.ndarray, receiver: Receiver) -> list[np.ndarray]:

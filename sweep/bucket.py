@@ -13,7 +13,7 @@ from obstore.exceptions import AlreadyExistsError, BaseError
 from obstore.store import S3Store
 
 from railvib.errors import InputError
-from sweep.location import NONE, S3, Wanted
+from sweep.location import NONE, S3
 
 if TYPE_CHECKING:
     from obstore.store import RetryConfig
@@ -71,11 +71,12 @@ class Bucket:
         with ThreadPoolExecutor(CONNECTIONS) as pool:
             yield from pool.map(self.read, keys)
 
-    def read_group(self, prefix: str, wanted: Wanted | None = None) -> Mapping[str, bytes | bytearray]:
-        """Return all objects below a prefix, or those that are wanted."""
-        pages = obstore.list(self._store, prefix)
-        found = [meta["path"].removeprefix(f"{prefix}/") for page in pages for meta in page]
-        keys = list(filter(wanted, found))
+    def read_group(self, prefix: str, keys: Iterable[str] | None = None) -> Mapping[str, bytes | bytearray]:
+        """Return all objects below a prefix, or some of them."""
+        if keys is None:
+            pages = obstore.list(self._store, prefix)
+            keys = [meta["path"].removeprefix(f"{prefix}/") for page in pages for meta in page]
+        keys = list(keys)
         contents = zip(keys, self.read_many(f"{prefix}/{key}" for key in keys), strict=True)
         return {key: content for key, content in contents if content is not None}
 

@@ -11,7 +11,7 @@ import re
 import shutil
 import time
 import uuid
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -27,7 +27,6 @@ S3 = "s3://"
 ABANDONED_S = 24 * 3600.0
 """Age at which what a writer has left aside is taken for abandoned, where others may be at work."""
 NONE: Mapping[str, str] = MappingProxyType({})
-Wanted = Callable[[str], bool]
 
 
 class Location(Protocol):
@@ -41,8 +40,8 @@ class Location(Protocol):
     def read_many(self, keys: Iterable[str]) -> Iterator[bytes | None]:
         """Yield the contents at some keys, in their order."""
 
-    def read_group(self, prefix: str, wanted: Wanted | None = None) -> Mapping[str, bytes | bytearray]:
-        """Return everything below a prefix by the rest of the key, or what is wanted of it."""
+    def read_group(self, prefix: str, keys: Iterable[str] | None = None) -> Mapping[str, bytes | bytearray]:
+        """Return everything below a prefix by the rest of the key, or what is at some of these."""
 
     def names(self, prefix: str) -> list[str]:
         """Return the names of what lies right below a prefix, folders without their slash; unsorted."""
@@ -130,11 +129,11 @@ class Folder:
         """Yield the contents of files."""
         return (self.read(key) for key in keys)
 
-    def read_group(self, prefix: str, wanted: Wanted | None = None) -> Mapping[str, bytes | bytearray]:
-        """Return all files below a folder, or those that are wanted."""
+    def read_group(self, prefix: str, keys: Iterable[str] | None = None) -> Mapping[str, bytes | bytearray]:
+        """Return all files below a folder, or some of them."""
         place = self._folder + prefix
         contents: dict[str, bytes | bytearray] = {}
-        for key in filter(wanted, _keys(place)):
+        for key in _keys(place) if keys is None else keys:
             with suppress(FileNotFoundError):  # just being replaced: the reader will find that it is missing
                 contents[key] = _read(f"{place}/{key}")
         return contents

@@ -295,11 +295,12 @@ def _load(
 
     Arrays that are known need not be read, as they were compared when they were.
     """
-
-    def wanted(key: str) -> bool:
-        return key.partition("/")[0] not in known or key.rpartition("/")[2] == zarr_form.METADATA
-
-    objects = location.at(home).read_group(f"{STORE}/{group}", wanted)
+    place = location.at(home)
+    objects: Mapping[str, bytes | bytearray] = {}
+    if known and metadata is not None:
+        objects = _needed(place, f"{STORE}/{group}", known)
+    if not objects or _metadata(objects) != metadata:
+        objects = place.read_group(f"{STORE}/{group}")
     if metadata is not None and _metadata(objects) != metadata:
         raise DamagedError(f"{group}: is missing, or its metadata are not those recorded")
     try:
@@ -313,6 +314,25 @@ def _load(
             if name not in found or name not in expected or checksum(found[name]) != dict(expected[name]):
                 raise DamagedError(f"{group}: the array {name} is not the one recorded")
     return found, attributes
+
+
+def _needed(
+    place: location.Location, prefix: str, known: Mapping[str, NDArray[Any]]
+) -> Mapping[str, bytes | bytearray]:
+    """Return the objects of a group but for the chunks of known arrays; none if these cannot be told.
+
+    What is said of the arrays is taken from where the group repeats it.
+    """
+    try:
+        objects = dict(place.read_group(prefix, [zarr_form.METADATA]))
+        heads = zarr_form.heads(objects[zarr_form.METADATA])
+        keys: list[str] = []
+        for key, head in heads.items():
+            name = key.removesuffix(f"/{zarr_form.METADATA}")
+            keys += [] if name in known else zarr_form.chunk_keys(name, head)
+    except (ValueError, KeyError, TypeError):
+        return {}
+    return objects | heads | dict(place.read_group(prefix, keys))
 
 
 def _metadata(objects: Mapping[str, bytes | bytearray | memoryview]) -> str:

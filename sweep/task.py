@@ -6,6 +6,7 @@ failure.
 """
 
 import contextlib
+import dataclasses
 import os
 import resource
 import socket
@@ -13,11 +14,11 @@ import time
 import traceback
 import warnings
 from collections import Counter, OrderedDict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -107,6 +108,18 @@ class WithdrawnError(Exception):
     """A stored result was found damaged; its record has been taken back."""
 
 
+class _Held(NamedTuple):
+    """A result, the names of its fields, and the arrays among them."""
+
+    result: Any
+    fields: Set[str]
+    arrays: list[np.ndarray]
+
+    def derived(self) -> list[np.ndarray]:
+        """Return the arrays that have been derived from the result since, and are kept with it."""
+        return _arrays({name: value for name, value in vars(self.result).items() if name not in self.fields})
+
+
 class Cache:
     """The results used last, up to a number of bytes.
 
@@ -118,21 +131,23 @@ class Cache:
         self._limit = limit
         self._held = 0
         self._unmeasured = 0
-        self._results: OrderedDict[tuple[str, str], Any] = OrderedDict()
+        self._results: OrderedDict[tuple[str, str], _Held] = OrderedDict()
 
     def get(self, key: tuple[str, str]) -> Any:
         """Return a result, or None where it is not held."""
         if key not in self._results:
             return None
         self._results.move_to_end(key)
-        return self._results[key]
+        return self._results[key].result
 
     def put(self, key: tuple[str, str], result: Any) -> None:
         """Hold a result, and let go of those not used for longest."""
         if key in self._results:
             return
-        self._results[key] = result
-        self._held += sum(array.nbytes for array in _arrays(vars(result)))
+        fields = {field.name for field in dataclasses.fields(result)}
+        arrays = _arrays({name: value for name, value in vars(result).items() if name in fields})
+        self._results[key] = _Held(result, fields, arrays)
+        self._held += sum(array.nbytes for array in arrays)
         self._unmeasured += 1
         if self._held > self._limit or self._unmeasured >= UNMEASURED:
             self._measure()
@@ -144,7 +159,7 @@ class Cache:
 
     def _measure(self) -> None:
         """Find what is held, and let go of enough that the next measurement is some results away."""
-        arrays = {key: _arrays(vars(result)) for key, result in self._results.items()}
+        arrays = {key: held.arrays + held.derived() for key, held in self._results.items()}
         holders = Counter(id(array) for held in arrays.values() for array in held)
         size = {id(array): array.nbytes for held in arrays.values() for array in held}
         self._held, self._unmeasured = sum(size.values()), 0

@@ -76,6 +76,26 @@ def encode_group(arrays: Mapping[str, Encoded], attributes: Mapping[str, Any]) -
     )
 
 
+def heads(group: bytes | bytearray) -> dict[str, bytes]:
+    """Return the metadata of the arrays of a group by key, as they are repeated in those of the group.
+
+    Raises
+    ------
+    ValueError, KeyError, TypeError
+        If they are not in the form of `encode_group`.
+    """
+    said = json.loads(bytes(group))["consolidated_metadata"]["metadata"]
+    return {f"{name}/{METADATA}": _json(each) for name, each in said.items()}
+
+
+def chunk_keys(name: str, head: bytes) -> list[str]:
+    """Return the keys of an array's chunks from its metadata."""
+    said = json.loads(head)
+    separator = said["chunk_key_encoding"]["configuration"]["separator"]
+    shape = said["chunk_grid"]["configuration"]["chunk_shape"]
+    return [f"{name}/{key}" for key in _keys(said["shape"], shape, separator)]
+
+
 def decode(
     objects: Mapping[str, bytes | bytearray | memoryview], known: Mapping[str, NDArray[Any]]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:

@@ -59,6 +59,7 @@ def test_a_group_is_whole_and_mended(place):
     group = {"zarr.json": b"{}", "value/c/0": bytes(range(256))}
     place.put("zarr/group", group)
     assert place.read_group("zarr/group") == group
+    assert place.read_group("zarr/group", ["zarr.json", "missing"]) == {"zarr.json": b"{}"}
     place.remove("zarr/group/value/c/0")
     place.put("zarr/group", {key: memoryview(content) for key, content in group.items()})
     assert place.read_group("zarr/group") == group

@@ -278,6 +278,23 @@ def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path,
     assert_equal(read(tmp_path, second), other)
 
 
+def test_what_is_said_of_arrays_is_compared_also_where_some_are_in_memory(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+
+    def whole():
+        return store.read(tmp_path, written.group, Spectrum, written.arrays, written.metadata)
+
+    found = whole()
+    path = tmp_path / store.STORE / written.group / "zarr.json"
+    said = path.read_text()
+    for text, other in (('level":2', 'level":3'), ("m2/N", "m2/kN"), ("consolidated", "other")):
+        path.write_text(said.replace(text, other))
+        with pytest.raises(store.DamagedError, match="metadata"):
+            whole()
+    path.write_text(said)
+    assert whole().transfer is found.transfer
+
+
 def test_an_array_in_memory_is_not_read_again(tmp_path, spectrum):
     """What several results have in common is held once; who asks for all to be compared gets it read."""
     written = write(tmp_path, spectrum)
