@@ -2,7 +2,7 @@
 
 The physics names its stages (`with cost.stage("fit") as spent: spent.evaluations += n`); whoever wants to
 know collects them. Without a collector a stage costs about a microsecond and is forgotten. Stages of one name
-add up; a stage inside another one is counted in both, so stages whose sum is wanted are not nested.
+add up; a stage inside another one is taken out of that, so that the stages' sum is the whole.
 """
 
 import resource
@@ -64,19 +64,30 @@ class stage:
     def __enter__(self) -> StageCost:
         """Start the clocks and return the entry to count into."""
         self._spent = StageCost(self._name)
+        self._around = _running.get()
+        self._inner_wall_s = self._inner_cpu_s = 0.0
+        _running.set(self)
         self._cpu = time.process_time()
         self._wall = time.perf_counter()
         return self._spent
 
     def __exit__(self, *_: object) -> None:
         """Stop the clocks, also when the body raised, and add to the stage's sum."""
+        _running.set(self._around)
+        wall_s, cpu_s = time.perf_counter() - self._wall, time.process_time() - self._cpu
+        if self._around is not None:
+            self._around._inner_wall_s += wall_s
+            self._around._inner_cpu_s += cpu_s
         costs = _collected.get()
         if costs is None:
             return
-        self._spent.wall_s = time.perf_counter() - self._wall
-        self._spent.cpu_s = time.process_time() - self._cpu
+        self._spent.wall_s = wall_s - self._inner_wall_s
+        self._spent.cpu_s = cpu_s - self._inner_cpu_s
         self._spent.peak_rss_bytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * RSS_UNIT
         add(costs, self._spent)
+
+
+_running: ContextVar[stage | None] = ContextVar("running", default=None)
 
 
 def add(costs: list[StageCost], spent: StageCost) -> None:

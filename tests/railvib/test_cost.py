@@ -1,4 +1,6 @@
 import contextlib
+from functools import partial
+from itertools import count
 
 import pytest
 
@@ -7,9 +9,9 @@ from railvib import cost
 
 def test_stages_of_one_name_add_up():
     with cost.collect() as costs:
-        for count in (3, 4):
+        for number in (3, 4):
             with cost.stage("fit") as spent:
-                spent.evaluations += count
+                spent.evaluations += number
                 spent.kernel_calls += 1
         with cost.stage("bands"):
             sum(range(100_000))
@@ -18,6 +20,24 @@ def test_stages_of_one_name_add_up():
     assert bands.wall_s > 0.0
     assert bands.cpu_s > 0.0
     assert bands.peak_rss_bytes > 2**20
+
+
+def test_a_stage_inside_another_is_taken_out_of_that(monkeypatch):
+    """By clocks that go on by one each time that they are looked at."""
+    for name in ("perf_counter", "process_time"):
+        monkeypatch.setattr(cost.time, name, partial(next, count()))
+    with cost.collect() as costs:
+        with cost.stage("passage"):
+            for _ in range(2):
+                with cost.stage("load"):
+                    pass
+        with cost.stage("bands"):
+            pass
+    assert {each.stage: (each.wall_s, each.cpu_s) for each in costs} == {
+        "load": (2, 2),
+        "passage": (3, 3),
+        "bands": (1, 1),
+    }
 
 
 def test_a_stage_that_raises_is_counted():
