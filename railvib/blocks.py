@@ -84,14 +84,27 @@ def stencils(block: int, level: int, f: np.ndarray) -> tuple[np.ndarray, np.ndar
     weight : ndarray, shape (n, STENCIL)
         Lagrange weights of these rows.
     """
-    at = position(block, level, f)
-    first = np.clip(np.floor(at).astype(int) - HALO + 1, 0, indices(block, level).size - STENCIL)
-    away = (at - first)[:, None] - np.arange(STENCIL)
-    ones = np.ones((f.size, 1))
-    # Of every row the product over all others: those before it times those after it.
-    before = np.cumprod(np.concatenate([ones, away[:, :-1]], axis=1), axis=1)
-    after = np.cumprod(np.concatenate([ones, away[:, :0:-1]], axis=1), axis=1)[:, ::-1]
-    return first, before * after / _DIFFERENCES
+    first = np.empty(f.size, np.int64)
+    weight = np.empty((f.size, STENCIL))
+    _stencils(position(block, level, f), STEPS * 2**level + 2 * HALO + 1, first, weight)
+    return first, weight
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _stencils(at, rows, first, weight):
+    """Write the nearest rows of places among them, and their weights."""
+    for i in range(at.shape[0]):
+        first[i] = min(max(int(np.floor(at[i])) - HALO + 1, 0), rows - STENCIL)
+        away = at[i] - first[i]
+        # Of every row the product over all others: those before it times those after it.
+        product = 1.0
+        for m in range(STENCIL):
+            weight[i, m] = product
+            product *= away - m
+        product = 1.0
+        for m in range(STENCIL - 1, -1, -1):
+            weight[i, m] *= product / _DIFFERENCES[m]
+            product *= away - m
 
 
 def interpolated(block: int, level: int, f: np.ndarray, table: np.ndarray) -> np.ndarray:

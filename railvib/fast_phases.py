@@ -39,9 +39,10 @@ class Load(NamedTuple):
             return np.zeros((frequency.size, self.distance.size), complex)
         turn = 2.0 * np.pi * frequency / self.speed
         static = np.full(turn.size, 2.0 * np.pi * self.rail.lowest)
-        response, _force = track_response(self.track, turn, static, 0.0)
-        inside = turn <= self.rail.reach
-        response[inside] = self.rail.response(turn[inside], static[inside])
+        response = self.rail.response(turn, static)
+        beyond = turn > self.rail.reach
+        if beyond.any():
+            response[beyond] = track_response(self.track, turn[beyond], static[beyond], 0.0)[0]
         across = turn[:, None] ** 2 + self.distance**2
         share = (response.imag / np.pi)[:, None] * self.distance / np.maximum(across, 1e-300)
         return np.asarray(share * _turned(turn[:, None] * self.distance))
