@@ -44,9 +44,9 @@ def publish(directory: Path, crew: Crew, begun: Path | None = None) -> None:
         drawing = crew.start(place.path, place.figures) if stale else None
         if before != now:
             report.write(connection, place.report)
+        show(connection, place, Console())
         if drawing is not None:
             drawing()
-        show(connection, place, Console())
 
 
 def show(
