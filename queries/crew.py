@@ -94,8 +94,10 @@ class Crew:
 
 def _serve(orders: Connection, workers: int) -> None:
     """Load the plotting library, and carry out orders until there are no more."""
+    gc.disable()
     importlib.import_module("queries.plots")
     gc.freeze()  # what is loaded stays: nobody need look there for garbage
+    gc.enable()
     while True:
         try:
             order = orders.recv()
