@@ -19,10 +19,6 @@ from railvib.track import Track, load, parameters
 from railvib.transfer import MOST_DECAY, Nodes, Receiver, TransferBlock, TransferFunction
 from railvib.vector_math import LANES, exp
 
-_NOTHING = 80.0
-"""Exponent of decay at which nothing is left of a field, however much damping takes from its peak."""
-_SLOWEST = 0.6
-"""Decay per wavenumber, at least, beyond u = 1: √(1 − 1/1.3²) where no wave's slowness exceeds 1/1.3."""
 _CHECKS = 5
 _LEVELS_BEYOND, _MOST_LEVELS = 3, 6
 """Levels beyond that of the table, between whose frequencies nothing new is known, and levels at all."""
@@ -106,7 +102,7 @@ def _tabulated(table: TransferBlock, track: Track | None, tolerance: float) -> S
     level = table.level
     while level < last and not _passes(table, track, level, tolerance):
         level += 1
-    own = table.transfer.real**2 + table.transfer.imag**2
+    own = _square(table.transfer)
     if level == table.level:
         return Squares(level, own)
     k = blocks.indices(table.block, level)
@@ -125,7 +121,7 @@ def _passes(table: TransferBlock, track: Track | None, level: int, tolerance: fl
     rows = np.unique(first[:, None] + np.arange(STENCIL))
     if level == table.level:
         table = table.at_rows(rows)
-        near = table.transfer.real**2 + table.transfer.imag**2
+        near = _square(table.transfer)
         direct = _evaluated(table, track, between, np.searchsorted(rows, first))
     else:
         near = _evaluated(table, track, blocks.frequency(level, blocks.indices(table.block, level)[rows]))
@@ -144,7 +140,6 @@ def _evaluated(
     """
     edge = table.nodes.panel_edges(frequency)
     omega = 2.0 * np.pi * frequency
-    last = np.maximum(_last(table), omega * table.top_slowness)
     first, weight = blocks.stencils(table.block, table.level, frequency)
     first = first if start is None else start
     value = np.ones((frequency.size, table.transfer.shape[1]))
@@ -166,7 +161,7 @@ def _evaluated(
         edge,
         omega * table.reference_slowness,
         table.distance if table.reference_slowness > 0.0 else 0.0,
-        last,
+        table.last(frequency),
         value,
     )
     return value
@@ -176,9 +171,10 @@ _forces: dict[tuple[int, Track, bytes], np.ndarray] = {}
 """|Ground's force|² by the compliance that tables have in common, as long as that is held."""
 
 
-def _last(table: TransferBlock) -> float:
-    """Return the wavenumber beyond which nothing is left of a field that no wave carries, rad/m."""
-    return _NOTHING / (_SLOWEST * table.distance) if table.distance > 0.0 else np.inf
+def _square(value: np.ndarray) -> np.ndarray:
+    squares = np.square(value.real)
+    squares += np.square(value.imag)
+    return squares
 
 
 def _floats(table: np.ndarray) -> np.ndarray:

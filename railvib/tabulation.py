@@ -19,7 +19,7 @@ from railvib.panels import nodes_between, unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.strip import products, strip_compliances
 from railvib.track import Track, track_response
-from railvib.transfer import Nodes, Receiver, TransferBlock
+from railvib.transfer import TOP, Nodes, Receiver, TransferBlock
 
 MOST_LEVELS = 6
 TIGHTEST, LOOSEST = 1e-6, 1e-2
@@ -275,7 +275,7 @@ def _resolved_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> 
     ground, block = evaluate.fits.ground, evaluate.fits.block
     ks = blocks.indices(block, 0)[[0, blocks.HALO + blocks.STEPS // 2, -1]]
     frequency = blocks.frequency(0, ks)
-    top = 1.3 / ground.slowest_speed
+    top = TOP / ground.slowest_speed
     largest = max(
         largest_wavenumber(evaluate.track, refinement), 2.0 * 2.0 * np.pi * float(frequency[-1]) * top
     )

@@ -29,6 +29,10 @@ from railvib.vector_math import cos_sin, exp
 
 Receiver = str | float
 """``"rail"``, or the distance from the centre line in m."""
+_NOTHING = 80.0
+"""Exponent of decay at which nothing is left of a field, however much damping takes from its peak."""
+TOP = 1.3
+"""Slowness at u = 1 over that of the slowest wave."""
 MOST_DECAY = 60.0
 """Exponent beyond which the decay of a reference wave is cut: nothing is left."""
 
@@ -156,6 +160,15 @@ class TransferBlock:
             compliance=None if self.compliance is None else self.compliance[:, nodes],
             edge=self.edge[first : last + 2],
         )
+
+    def last(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the wavenumbers beyond which nothing is left of the field at frequencies in Hz, rad/m.
+
+        Beyond u = 1 no wave carries it, and it decays by e^{−√(1 − 1/TOP²) β·distance} at least.
+        """
+        if self.distance <= 0.0:
+            return np.full(frequency.shape, np.inf)
+        return np.maximum(_NOTHING / (np.sqrt(1.0 - 1.0 / TOP**2) * self.distance), 2.0 * np.pi * frequency * self.top_slowness)
 
     def at_rows(self, rows: np.ndarray) -> "TransferBlock":
         """Return the table at some of its frequencies."""
@@ -383,7 +396,9 @@ class TransferFunction:
         return value
 
     def along(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
-        """Interpolate at one wavenumber per frequency, for any receiver; zero beyond the tables.
+        """Interpolate at one wavenumber per frequency, for any receiver.
+
+        Zero beyond the tables, and where nothing is left of the field, see `TransferBlock.last`.
 
         Parameters
         ----------
@@ -400,14 +415,15 @@ class TransferFunction:
         return self._scattered(frequency, np.abs(wavenumber))
 
     def _scattered(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
-        """Interpolate at pairs of frequency and wavenumber ≥ 0; zero beyond the largest of a table."""
+        """Interpolate at pairs of frequency and wavenumber ≥ 0; zero where nothing is left of the field."""
         which = blocks.assigned(frequency, self.blocks)
-        value = np.empty(wavenumber.shape, complex)
+        value = np.zeros(wavenumber.shape, complex)
         for block in np.unique(which):
-            here = which == block
             table = self.blocks[int(block)]
-            f = frequency[here]
-            beta = np.minimum(wavenumber[here], table.largest)
+            here = (which == block) & (wavenumber <= np.minimum(table.last(frequency), table.largest))
+            if not here.any():
+                continue
+            f, beta = frequency[here], wavenumber[here]
             # A load that moves steadily asks for few panels: the rest need not be reduced.
             first, last = table.nodes.panels(f, beta)
             if 2 * (last + 1 - first) < table.edge.size - 1:
@@ -423,8 +439,7 @@ class TransferFunction:
             ) -> np.ndarray:
                 return interpolated(joined([table.rows(rows)]), f, beta)[:, None]
 
-            found = loaded([own], table.block, f, beta[:, None], between)[0][:, 0]
-            value[here] = np.where(wavenumber[here] <= table.largest, found, 0.0)
+            value[here] = loaded([own], table.block, f, beta[:, None], between)[0][:, 0]
         return value
 
 
