@@ -174,7 +174,7 @@ _forces: dict[tuple[int, Track, bytes], np.ndarray] = {}
 def _square(value: np.ndarray) -> np.ndarray:
     squares = np.square(value.real)
     squares += np.square(value.imag)
-    return squares
+    return np.asarray(squares)
 
 
 def _floats(table: np.ndarray) -> np.ndarray:

@@ -168,10 +168,8 @@ class TransferBlock:
         """
         if self.distance <= 0.0:
             return np.full(frequency.shape, np.inf)
-        return np.maximum(
-            _NOTHING / (np.sqrt(1.0 - 1.0 / TOP**2) * self.distance),
-            2.0 * np.pi * frequency * self.top_slowness,
-        )
+        carried = 2.0 * np.pi * frequency * self.top_slowness
+        return np.asarray(np.maximum(_NOTHING / (np.sqrt(1.0 - 1.0 / TOP**2) * self.distance), carried))
 
     def at_rows(self, rows: np.ndarray) -> "TransferBlock":
         """Return the table at some of its frequencies."""
