@@ -4,9 +4,9 @@ Two things do. A wave of slowness s reaches a distance d with the phase e^{−i�
 the load and behind it. And at β = ω/v, where the track sees no frequency, the hysteretic damping changes its
 sign: the response jumps by twice its imaginary part I, which leaves
 
-    T(d, ω) = (I/π) e^{iωd/v} d/(a² + d²),        a = ω/v
+    T(d, ω) = (I/π) e^{iωd/v} d/(a² + d²),        a = v/ω
 
-to leading order in 1/d. It decays so slowly that beyond some 50 m it outlasts the waves.
+to leading order in a/d. It decays so slowly that beyond some 50 m it outlasts the waves.
 """
 
 from typing import NamedTuple
@@ -43,9 +43,9 @@ class Load(NamedTuple):
         beyond = turn > self.rail.reach
         if beyond.any():
             response[beyond] = track_response(self.track, turn[beyond], static[beyond], 0.0)[0]
-        across = turn[:, None] ** 2 + self.distance**2
-        share = (response.imag / np.pi)[:, None] * self.distance / np.maximum(across, 1e-300)
-        return np.asarray(share * _turned(turn[:, None] * self.distance))
+        angle = turn[:, None] * self.distance
+        share = (response.imag * turn / np.pi)[:, None] * angle / (1.0 + angle**2)
+        return np.asarray(share * _turned(angle))
 
     def phase(self, frequency: np.ndarray, slowness: float) -> np.ndarray:
         """Return e^{iωs'|d|} of waves of a slowness in s/m, complex (n, m)."""

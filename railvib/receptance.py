@@ -20,10 +20,10 @@ from railvib.track import Track
 from railvib.transfer import TransferFunction
 
 _MOST_LEVELS = 6
-_CHECKS = 5
+_CHECKS = 9
 _STORED_CHECKS = 25
 """Half-way between stored frequencies, where interpolation with and without fast phases is compared."""
-_DIRECT_SHARE = 0.08
+_DIRECT_SHARE = 0.07
 """Of the tolerance, what interpolation without fast phases may take: of 0.1 for all."""
 
 
