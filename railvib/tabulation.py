@@ -26,7 +26,7 @@ TIGHTEST, LOOSEST = 1e-6, 1e-2
 """Tolerances that can be asked for; the rational fits are asked for a millionth of them."""
 _MOST_HALVINGS = 12
 _CHECKS = 5
-_TOGETHER = 32
+VALUES_AT_ONCE = 32
 """Receivers whose values are computed together, and held until their tables are made."""
 _AT_ONCE = 8
 """Receivers whose tables are handed on together."""
@@ -107,9 +107,9 @@ def transfer_blocks_by_class(
         nodes = _resolved_nodes(model(fits, track, (0.0, reach), tolerance), tolerance, refinement)
         common = _Common(_compliance_error(fits, track, reach, tolerance))
         ordered = sorted(members, key=lambda each: -1.0 if each == "rail" else float(each))
-        for first in range(0, len(ordered), _TOGETHER):
+        for first in range(0, len(ordered), VALUES_AT_ONCE):
             samples = _Samples(model, fits, track, nodes, tolerance)
-            yield from _tables(samples, ordered[first : first + _TOGETHER], common, refinement)
+            yield from _tables(samples, ordered[first : first + VALUES_AT_ONCE], common, refinement)
 
 
 class Evaluation:

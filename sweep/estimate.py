@@ -191,7 +191,9 @@ def _cpu(request: Request, rates: Rates) -> Counter[str]:
 
 
 def _memory(task: tuple[Unit, ...]) -> int:
-    return sum(units.KINDS[unit.kind].memory(unit.inputs) for unit in task)
+    """Estimate what computing a task needs, by its units that need most."""
+    kind = units.KINDS[task[0].kind]
+    return sum(sorted((kind.memory(unit.inputs) for unit in task), reverse=True)[: kind.at_once])
 
 
 def _largest_axis(request: Request, by_kind: Mapping[str, float]) -> str:

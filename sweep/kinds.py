@@ -75,7 +75,9 @@ class Kind:
     size
         Bytes of the arrays of a unit, as far as they are known before.
     memory
-        Bytes that computing needs beyond an idle worker.
+        Bytes that computing a unit needs beyond an idle worker.
+    at_once
+        How many units of a task need that at the same time, at most; all of them if it is None.
     """
 
     result: type
@@ -85,6 +87,7 @@ class Kind:
     compute: Compute
     size: Callable[[Inputs], int]
     memory: Callable[[Inputs], int]
+    at_once: int | None = None
 
 
 def registry(module: str) -> Mapping[str, Kind]:

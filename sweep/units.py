@@ -28,7 +28,13 @@ from railvib.plausibility import check_damping, check_speed
 from railvib.quasi_static import QuasiStatic, quasi_static_spectra
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_blocks
 from railvib.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
-from railvib.tabulation import MOST_LEVELS, distance_class, largest_wavenumber, transfer_blocks_by_class
+from railvib.tabulation import (
+    MOST_LEVELS,
+    VALUES_AT_ONCE,
+    distance_class,
+    largest_wavenumber,
+    transfer_blocks_by_class,
+)
 from railvib.tensor_fit import fit_tensor
 from railvib.track import Track
 from railvib.train_average import TrainIntegrals, train_integrals
@@ -48,6 +54,8 @@ FE_BE_BYTES = 128 * 2**20
 """75 MB were measured with eight strips and three rows of elements."""
 PANELS_PER_RAD_M = 3.0
 """Of the full model's excitation: 1 to 3 were found, fewest on damped soil."""
+SURVIVING = 8.0
+"""Wavelengths times loss factor after which tables grow no more with distance: e^{−8π} is left of a wave."""
 FLOAT, COMPLEX = 8, 16
 """Bytes of a number."""
 
@@ -408,10 +416,15 @@ def _together(*names: str) -> Callable[[Inputs], str]:
 
 
 def waves_between(inputs: Inputs) -> float:
-    """Return how many wavelengths lie between track and receiver at a block's highest frequency, at most."""
+    """Return how many wavelengths lie between track and receiver at a block's highest frequency, at most.
+
+    No more than leave something of a wave in the layer that damps least.
+    """
     distance = 0.0 if inputs["receiver"] == RAIL else inputs["receiver"]
     highest = float(blocks.edges(int(inputs["block"]))[1])
-    return distance * highest / Ground(**inputs["ground"]).slowest_speed
+    ground = Ground(**inputs["ground"])
+    surviving = SURVIVING / max(min(layer.loss_factor for layer in ground.layers), 1e-3)
+    return min(distance * highest / ground.slowest_speed, surviving)
 
 
 def _transfer_rows(inputs: Inputs) -> int:
@@ -429,7 +442,7 @@ def _transfer_bytes(inputs: Inputs) -> int:
 
 def _transfer_memory(inputs: Inputs) -> int:
     """Estimate what tabulating takes; the FE/BE model holds its bed and the matrices of many wavenumbers."""
-    return 8 * _transfer_bytes(inputs) + (FE_BE_BYTES if "cross_section" in inputs else 0)
+    return 4 * _transfer_bytes(inputs) + (FE_BE_BYTES if "cross_section" in inputs else 0)
 
 
 def _receptance_bytes(inputs: Inputs) -> int:
@@ -444,6 +457,11 @@ def _moving_bytes(inputs: Inputs) -> int:
 def _line_integral_bytes(inputs: Inputs) -> int:
     rows = sum(_transfer_rows({**inputs, "block": block}) for block in inputs["blocks"])
     return rows * len(inputs["distances"]) * FLOAT
+
+
+def _line_integral_memory(inputs: Inputs) -> int:
+    tables = sum(_transfer_bytes({**inputs, "block": block}) for block in inputs["blocks"])
+    return 2 * tables + 4 * _line_integral_bytes(inputs)
 
 
 def _quasi_static_bytes(inputs: Inputs) -> int:
@@ -501,6 +519,7 @@ KINDS: dict[str, Kind] = {
         compute=_transfer,
         size=_transfer_bytes,
         memory=_transfer_memory,
+        at_once=VALUES_AT_ONCE,
     ),
     "receptance": Kind(
         result=ReceptanceBlock,
@@ -527,7 +546,8 @@ KINDS: dict[str, Kind] = {
         together=_together(*_Model._fields, "distances", "blocks"),
         compute=_line_integrals,
         size=_line_integral_bytes,
-        memory=lambda inputs: 4 * _line_integral_bytes(inputs),
+        memory=_line_integral_memory,
+        at_once=RECEIVERS_AT_ONCE,
     ),
     "quasi_static": Kind(
         result=QuasiStatic,

@@ -98,6 +98,15 @@ def test_more_work_takes_longer(sections, sort, rates, tmp_path):
     assert cpu(request(tmp_path, **sections)) > cpu(request(tmp_path))
 
 
+def test_more_receivers_than_are_held_at_once_take_no_more_memory(rates, tmp_path):
+    few, many = (
+        estimate.estimate(request(tmp_path, receivers={"rail": False, "offsets_m": offsets}), rates)
+        for offsets in ([100.0 - 0.1 * n for n in range(count)] for count in (250, 750))
+    )
+    assert many.peak_memory_bytes == pytest.approx(few.peak_memory_bytes, rel=0.02)
+    assert many.bytes > 2.0 * few.bytes
+
+
 def test_rates_are_found_from_samples():
     amounts = [{"units": 1.0, "lines": 10.0 * count} for count in (1, 3, 9)]
     samples = [pilot._Sample(each, 0.5 + 0.02 * each["lines"], {}) for each in amounts]
