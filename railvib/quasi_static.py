@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from railvib import cost
-from railvib.transfer import Receiver, TransferFunction
+from railvib.ground import Ground
+from railvib.track import Track
+from railvib.transfer import TOP, Receiver, TransferFunction, nothing_beyond
 
 
 @dataclass(frozen=True)
@@ -68,3 +70,14 @@ def quasi_static_spectra(
         }
         spent.evaluations += frequency.size * len(receivers)
     return psd
+
+
+def highest_left(ground: Ground, track: Track, receiver: Receiver, speed: float) -> float:
+    """Return the frequency in Hz above which nothing is left of the response to loads at a speed in m/s.
+
+    Infinite for loads that a wave can follow, and where there is no way to the receiver.
+    """
+    distance = 0.0 if receiver == "rail" else max(float(receiver) - track.half_width, 0.0)
+    if TOP * speed >= ground.slowest_speed:
+        return np.inf
+    return nothing_beyond(distance) * speed / (2.0 * np.pi)

@@ -162,14 +162,9 @@ class TransferBlock:
         )
 
     def last(self, frequency: np.ndarray) -> np.ndarray:
-        """Return the wavenumbers beyond which nothing is left of the field at frequencies in Hz, rad/m.
-
-        Beyond u = 1 no wave carries it, and it decays by e^{−√(1 − 1/TOP²) β·distance} at least.
-        """
-        if self.distance <= 0.0:
-            return np.full(frequency.shape, np.inf)
+        """Return the wavenumbers beyond which nothing is left of the field at frequencies in Hz, rad/m."""
         carried = 2.0 * np.pi * frequency * self.top_slowness
-        return np.asarray(np.maximum(_NOTHING / (np.sqrt(1.0 - 1.0 / TOP**2) * self.distance), carried))
+        return np.asarray(np.maximum(nothing_beyond(self.distance), carried))
 
     def at_rows(self, rows: np.ndarray) -> "TransferBlock":
         """Return the table at some of its frequencies."""
@@ -311,6 +306,14 @@ def _inverse_force(table: TransferBlock, track: Track | None) -> np.ndarray:
         _inverse_forces[key] = 1.0 / track_response(track, table.wavenumber, omega, table.compliance)[1]
         finalize(table.compliance, _inverse_forces.pop, key, None)
     return _inverse_forces[key]
+
+
+def nothing_beyond(distance: float) -> float:
+    """Return β beyond which nothing is left at a distance from the track of a field that no wave carries.
+
+    That is, beyond u = 1, where the field decays by e^{−√(1 − 1/TOP²) β·distance} at least. In rad/m.
+    """
+    return float(_NOTHING / (np.sqrt(1.0 - 1.0 / TOP**2) * distance)) if distance > 0.0 else np.inf
 
 
 class TransferFunction:

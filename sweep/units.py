@@ -25,7 +25,7 @@ from railvib.line_integrals import LineIntegrals, line_integrals
 from railvib.moving_transfer import MovingTransferBlock, moving_transfer_block
 from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
-from railvib.quasi_static import QuasiStatic, quasi_static_spectra
+from railvib.quasi_static import QuasiStatic, highest_left, quasi_static_spectra
 from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_blocks
 from railvib.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import (
@@ -270,34 +270,45 @@ def _transfer_function(inputs: Inputs, receiver: str | float, load: Load) -> Tra
 
 
 class _Receivers(Mapping[str | float, TransferFunction]):
-    """The transfer functions of a unit's receivers, loaded each time that one is asked for.
+    """The transfer functions of some receivers from their units, loaded each time that one is asked for.
 
     Tables of a hundred receivers take more memory than a worker has: whoever goes through them one by one
     holds one at a time, beside what the worker keeps at hand.
     """
 
-    def __init__(self, inputs: Inputs, load: Load) -> None:
-        self._inputs = inputs
+    def __init__(self, tables: Mapping[str | float, Sequence[Unit]], track: Canonical, load: Load) -> None:
+        self._tables = tables
+        self._track = Track(**track)
         self._load = load
 
     def __getitem__(self, receiver: str | float) -> TransferFunction:
-        if receiver not in self._inputs["receivers"]:
-            raise KeyError(receiver)
-        return _transfer_function(self._inputs, receiver, self._load)
+        return TransferFunction([self._load(unit) for unit in self._tables[receiver]], self._track)
 
     def __iter__(self) -> Iterator[str | float]:
-        return iter(self._inputs["receivers"])
+        return iter(self._tables)
 
     def __len__(self) -> int:
-        return len(self._inputs["receivers"])
+        return len(self._tables)
 
 
 def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
     return _receiver_units(inputs, inputs["receiver"])
 
 
+def _quasi_static_tables(inputs: Inputs) -> dict[str | float, tuple[Unit, ...]]:
+    """Return the units of every receiver's transfer function as far up as something is left of it."""
+    ground, track = Ground(**inputs["ground"]), Track(**inputs["track"])
+    lower, upper = bands.edges(inputs["band"])
+    tables = {}
+    for receiver in inputs["receivers"]:
+        highest = highest_left(ground, track, receiver, inputs["speed"])
+        which = blocks.covering(float(lower[0]), float(max(min(upper[-1], highest), lower[0])))
+        tables[receiver] = _transfer_units(_model(inputs), receiver, which)
+    return tables
+
+
 def _quasi_static_needs(inputs: Inputs) -> list[Unit]:
-    return [unit for receiver in inputs["receivers"] for unit in _receiver_units(inputs, receiver)]
+    return [unit for units in _quasi_static_tables(inputs).values() for unit in units]
 
 
 def _line_integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
@@ -327,7 +338,7 @@ def _quasi_static(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Q
         inputs = unit.inputs
         f = narrow_lines(inputs)
         made = quasi_static_spectra(
-            _Receivers(inputs, load),
+            _Receivers(_quasi_static_tables(inputs), inputs["track"], load),
             np.asarray(inputs["axle_position"]),
             np.asarray(inputs["axle_load"]),
             inputs["train_length"],
@@ -399,7 +410,9 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 np.asarray(inputs["band"]),
                 Receptances([load(need) for need in _spectra_rail(inputs)]),
                 dict(zip(receivers, still, strict=True)),
-                _Receivers(inputs, load) if full else None,
+                _Receivers({each: _receiver_units(inputs, each) for each in receivers}, inputs["track"], load)
+                if full
+                else None,
                 None if full else {each: load(_line_integrals_of(inputs, each)) for each in receivers},
                 excited_up_to(inputs) if full else None,
                 {each: load(_train_integral_unit(inputs, each)) for each in receivers}

@@ -91,6 +91,17 @@ def test_the_full_model_has_no_average_over_the_train():
     assert len(ids(averaged[30.0, "moving-roughness"], "train_integrals")) == 2
 
 
+def test_the_response_to_axle_loads_needs_tables_only_where_something_is_left():
+    """At 30 km/h nothing is left at 100 m above 1.7 Hz, and at 8 m above 26 Hz."""
+    band = {"minimum_hz": 1.25, "maximum_hz": 80}
+    unit = wanted(receivers={"offsets_m": [8, 100]}, frequency=band)[30.0, "full"]
+    (still,) = [need for need in units.KINDS["spectra"].needs(unit.inputs) if need.kind == "quasi_static"]
+    found = {}
+    for need in units.KINDS["quasi_static"].needs(still.inputs):
+        found.setdefault(need.inputs["receiver"], set()).add(need.inputs["block"])
+    assert found == {"rail": {0, 1, 2, 3}, 8.0: {0, 1, 2}, 100.0: {0}}
+
+
 def test_the_tolerance_enters_every_unit():
     one, other = wanted(), wanted(accuracy={"tolerance": 2e-3})
     for key in one:
