@@ -16,6 +16,8 @@ from queries import schema
 DATABASE = "results.duckdb"
 MEMORY = "128MB"
 """What figures and report take of a database at a time."""
+_SMALL_BYTES = 2**28
+"""Size of a file up to which threads of a connection cost figures and report more than they save."""
 
 
 class ResultsError(Exception):
@@ -123,7 +125,11 @@ def attach(
         "temp_directory": f"{path}.tmp" if bounded else "",
         "preserve_insertion_order": True,
     }
-    connection = duckdb.connect(":memory:", config=config | ({"memory_limit": MEMORY} if bounded else {}))
+    if bounded:
+        config["memory_limit"] = MEMORY
+        if path.exists() and path.stat().st_size <= _SMALL_BYTES:
+            config["threads"] = 1
+    connection = duckdb.connect(":memory:", config=config)
     at = path
     try:
         for at, name in (*([] if other is None else [(other, "other")]), (path, "results")):
