@@ -17,7 +17,12 @@ from railvib.line_integrals import LineIntegrals, line_integrals
 from railvib.moving_roughness import spans
 from railvib.plausibility import check_damping, check_speed
 from railvib.quasi_static import quasi_static_spectra
-from railvib.receptance import Receptances, highest_tabulated_frequency, receptance_blocks, receptances
+from railvib.receptance import (
+    Receptances,
+    highest_tabulated_frequency,
+    receptances,
+    tabulated_receptances,
+)
 from railvib.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
 from railvib.track import Track
@@ -192,10 +197,8 @@ def predict(
         functions = by_model[model]
         if (model, v) not in rails:
             wanted_blocks = blocks.up_to(highest) if v else covering
-            rails[model, v] = Receptances(
-                receptance_blocks(
-                    functions["rail"], track, v, distances, wanted_blocks, tolerance, refinement
-                )
+            rails[model, v] = tabulated_receptances(
+                functions["rail"], track, v, distances, wanted_blocks, tolerance, refinement
             )
         if model not in still:
             still[model] = quasi_static_spectra(

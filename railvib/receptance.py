@@ -6,8 +6,9 @@ in the frame that moves with the load, d ahead of it. The integrand is tabulated
 integrated by `railvib.rail_integrals`; the receptances are tabulated in turn, over frequency.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -28,8 +29,8 @@ _DIRECT_SHARE = 0.07
 
 
 @dataclass(frozen=True)
-class ReceptanceBlock:
-    """Receptances of the rail over one block at one speed."""
+class Receptances:
+    """The rail's receptances at one speed, block after block of frequencies."""
 
     frequency: np.ndarray = field(
         metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency of the load"}
@@ -44,16 +45,32 @@ class ReceptanceBlock:
             "description": "displacement of the rail per load",
         }
     )
-    block: int
-    """Index of the block, see `railvib.blocks`."""
-    level: int
+    block: np.ndarray = field(metadata={"dims": ("block",), "unit": "", "description": "index of the block"})
+    level: np.ndarray = field(
+        metadata={"dims": ("block",), "unit": "", "description": "level of the block's frequencies"}
+    )
+    interpolation_error: np.ndarray = field(
+        metadata={
+            "dims": ("block",),
+            "unit": "1",
+            "description": "largest error half-way between frequencies over the receptance at the load",
+        }
+    )
     speed: float
     """Speed of the load, m/s."""
-    interpolation_error: float
-    """Largest error of interpolation half-way between frequencies, relative to the receptance at the load."""
+
+    def at(self, frequency: np.ndarray) -> np.ndarray:
+        """Interpolate to frequencies (n,) in Hz; below the tables the static limit; (n, distances), m/N."""
+        which = blocks.assigned(frequency, self.block)
+        value = np.empty((frequency.size, self.distance.size), complex)
+        for block, (level, rows) in blocks.sections(self.block, self.level).items():
+            here = which == block
+            f = np.maximum(frequency[here], blocks.edges(block)[0])
+            value[here] = blocks.interpolated(block, level, f, self.receptance[rows])
+        return value
 
 
-def receptance_blocks(
+def tabulated_receptances(
     rail: TransferFunction,
     track: Track,
     speed: float,
@@ -61,7 +78,7 @@ def receptance_blocks(
     which: Iterable[int],
     tolerance: float = 1e-4,
     refinement: int = 1,
-) -> Iterator[ReceptanceBlock]:
+) -> Receptances:
     """Tabulate receptances over blocks of frequencies, each at the first level that passes a check half-way.
 
     They are computed where they determine what does not turn fast with frequency (`railvib.fast_phases`), and
@@ -75,8 +92,8 @@ def receptance_blocks(
     track, speed, distances
         As in `receptances`.
     which
-        Indices of the blocks, see `railvib.blocks`. No block depends on the others: what it has in common
-        with their halos is computed once.
+        Indices of the blocks, ascending, see `railvib.blocks`. No block depends on the others: what it has in
+        common with their halos is computed once.
     tolerance
         Error allowed, relative to the receptance at the load.
     refinement
@@ -101,6 +118,7 @@ def receptance_blocks(
         return [np.array([known[index / 2.0**level] for index in indices]) for level, indices in places]
 
     beyond = int(np.log2(refinement))
+    made: list[_Block] = []
     for block in which:
         passed = None
         for level in range(_MOST_LEVELS + beyond + 1):
@@ -113,12 +131,29 @@ def receptance_blocks(
                 passed = level
             if passed is not None and level >= passed + beyond:
                 break
-        yield _stored(found, tabulated, d, error, tolerance, level + beyond)
+        made.append(_stored(found, tabulated, error, tolerance, level + beyond))
+    return Receptances(
+        frequency=np.concatenate([each.frequency for each in made]),
+        distance=d,
+        receptance=np.concatenate([each.receptance[:, :-1] for each in made]),
+        block=np.array([each.block for each in made]),
+        level=np.array([each.level for each in made]),
+        interpolation_error=np.array([each.error for each in made]),
+        speed=speed,
+    )
 
 
-def _stored(
-    found: Reduced, tabulated: np.ndarray, distance: np.ndarray, error: float, tolerance: float, least: int
-) -> ReceptanceBlock:
+class _Block(NamedTuple):
+    """The rows of `Receptances` that belong to one block, and of the receptance at the load in the end."""
+
+    block: int
+    level: int
+    error: float
+    frequency: np.ndarray
+    receptance: np.ndarray
+
+
+def _stored(found: Reduced, tabulated: np.ndarray, error: float, tolerance: float, least: int) -> _Block:
     """Return the block to be stored: at frequencies so near each other that no phase need be taken out."""
     block = found.block
     for level in range(least, max(least, _MOST_LEVELS) + 1):
@@ -129,53 +164,12 @@ def _stored(
         further = _largest_error(interpolated, found.at(between))
         if further <= (0.1 - _DIRECT_SHARE) * tolerance:
             break
-    return ReceptanceBlock(
-        frequency=frequency,
-        distance=distance,
-        receptance=np.ascontiguousarray(receptance[:, :-1]),
-        block=block,
-        level=level,
-        speed=found.load.speed,
-        interpolation_error=error + further,
-    )
+    return _Block(block, level, error + further, frequency, receptance)
 
 
 def _largest_error(value: np.ndarray, exact: np.ndarray) -> float:
     """Return the largest error, relative to the receptance at the load, the last one."""
     return float((np.abs(value - exact) / np.abs(exact[:, -1:])).max())
-
-
-def receptance_block(
-    rail: TransferFunction,
-    track: Track,
-    speed: float,
-    distances: npt.ArrayLike,
-    block: int,
-    tolerance: float = 1e-4,
-    refinement: int = 1,
-) -> ReceptanceBlock:
-    """Tabulate receptances over one block of frequencies, as `receptance_blocks` does."""
-    (made,) = receptance_blocks(rail, track, speed, distances, [block], tolerance, refinement)
-    return made
-
-
-class Receptances:
-    """The rail's receptances at one speed over all their blocks."""
-
-    def __init__(self, table: Iterable[ReceptanceBlock]) -> None:
-        self.blocks = {each.block: each for each in sorted(table, key=lambda each: each.block)}
-        self.distance = next(iter(self.blocks.values())).distance
-
-    def at(self, frequency: np.ndarray) -> np.ndarray:
-        """Interpolate to frequencies (n,) in Hz; below the tables the static limit; (n, distances), m/N."""
-        which = blocks.assigned(frequency, self.blocks)
-        value = np.empty((frequency.size, self.distance.size), complex)
-        for block in np.unique(which):
-            here = which == block
-            table = self.blocks[int(block)]
-            f = np.maximum(frequency[here], blocks.edges(table.block)[0])
-            value[here] = blocks.interpolated(table.block, table.level, f, table.receptance)
-        return value
 
 
 def highest_tabulated_frequency(

@@ -26,7 +26,7 @@ from railvib.moving_transfer import MovingTransferBlock, moving_transfer_block
 from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
 from railvib.quasi_static import QuasiStatic, highest_left, quasi_static_spectra
-from railvib.receptance import ReceptanceBlock, Receptances, highest_tabulated_frequency, receptance_blocks
+from railvib.receptance import Receptances, highest_tabulated_frequency, tabulated_receptances
 from railvib.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
 from railvib.tabulation import (
     MOST_LEVELS,
@@ -108,17 +108,14 @@ def _transfer_units(model: _Model, receiver: str | float, which: range) -> tuple
 
 
 @lru_cache(REMEMBERED)
-def _receptance_units(model: _Model, train: Canonical, speed: float, which: range) -> tuple[Unit, ...]:
-    """Return the units of the rail's receptances at a speed over some blocks, for the axles of a train."""
-    return tuple(
-        Unit.of(
-            "receptance",
-            speed=speed,
-            distances=train_axles(train).distances,
-            block=block,
-            **model.inputs,
-        )
-        for block in reversed(which)  # the highest first: it takes longest
+def _receptance_unit(model: _Model, train: Canonical, speed: float, which: range) -> Unit:
+    """Return the unit of the rail's receptances at a speed over some blocks, for the axles of a train."""
+    return Unit.of(
+        "receptance",
+        speed=speed,
+        distances=train_axles(train).distances,
+        blocks=tuple(which),
+        **model.inputs,
     )
 
 
@@ -219,41 +216,48 @@ def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Trans
         yield {asked[receiver]: table for receiver, table in made.items()}
 
 
-def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
-    block = int(inputs["block"])
-    if "cross_section" in inputs:
-        # Loads stand, and a table's halo reaches as far as the receptances': nothing else is read.
-        return _transfer_units(_model(inputs), RAIL, range(block, block + 1))
+def _rail_units(inputs: Inputs, which: range) -> tuple[Unit, ...]:
+    """Return the units of the rail's transfer function that receptances over some blocks read."""
+    if "cross_section" in inputs:  # loads stand, and a table's halo reaches as far as the receptances'
+        return _transfer_units(_model(inputs), RAIL, which)
     track = Track(**inputs["track"])
-    highest = highest_tabulated_frequency(track, blocks.reach(block), inputs["speed"])
+    highest = highest_tabulated_frequency(track, blocks.reach(which[-1]), inputs["speed"])
     return _transfer_units(_model(inputs), RAIL, blocks.up_to(highest))
 
 
-def _rail(units: Sequence[Unit], load: Load) -> TransferFunction:
-    """Return the rail's transfer function as far as any of several receptances needs it."""
-    highest = max(units, key=lambda unit: int(unit.inputs["block"])).inputs
-    return TransferFunction([load(need) for need in _receptance_needs(highest)], Track(**highest["track"]))
+def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
+    return _rail_units(inputs, _between(inputs["blocks"]))
 
 
-def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, ReceptanceBlock]]:
-    inputs = units[0].inputs
-    # Tables of the FE/BE model are read by the block of their own alone.
-    for together in [[unit] for unit in units] if "cross_section" in inputs else [units]:
-        rail = _rail(together, load)
-        made = receptance_blocks(
-            rail,
-            Track(**inputs["track"]),
-            inputs["speed"],
-            inputs["distances"],
-            [int(unit.inputs["block"]) for unit in together],
-            inputs["tolerance"],
-        )
-        for unit, block in zip(together, made, strict=True):
-            yield {unit: block}
+def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Receptances]]:
+    for unit in units:
+        inputs = unit.inputs
+        track = Track(**inputs["track"])
+        yield {
+            unit: tabulated_receptances(
+                TransferFunction([load(need) for need in _receptance_needs(inputs)], track),
+                track,
+                inputs["speed"],
+                inputs["distances"],
+                _between(inputs["blocks"]),
+                inputs["tolerance"],
+            )
+        }
+
+
+def _between(which: Sequence[int]) -> range:
+    """Return blocks that follow one another as the range that they were, before they became canonical."""
+    return range(int(which[0]), int(which[-1]) + 1)
+
+
+def _moving_transfer_needs(inputs: Inputs) -> tuple[Unit, ...]:
+    return _rail_units(inputs, _between([inputs["block"]]))
 
 
 def _moving_transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, MovingTransferBlock]]:
-    rail = _rail(units, load)
+    highest = max(units, key=lambda unit: int(unit.inputs["block"])).inputs
+    needs = [load(need) for need in _moving_transfer_needs(highest)]
+    rail = TransferFunction(needs, Track(**highest["track"]))
     for unit in units:
         yield {unit: moving_transfer_block(rail, unit.inputs["speed"], int(unit.inputs["block"]))}
 
@@ -302,7 +306,8 @@ def _quasi_static_tables(inputs: Inputs) -> dict[str | float, tuple[Unit, ...]]:
     tables = {}
     for receiver in inputs["receivers"]:
         highest = highest_left(ground, track, receiver, inputs["speed"])
-        which = blocks.covering(float(lower[0]), float(max(min(upper[-1], highest), lower[0])))
+        # One block at least: a transfer function without any knows not even that it is zero.
+        which = blocks.covering(float(lower[0]), float(min(upper[-1], max(highest, upper[0]))))
         tables[receiver] = _transfer_units(_model(inputs), receiver, which)
     return tables
 
@@ -312,8 +317,7 @@ def _quasi_static_needs(inputs: Inputs) -> list[Unit]:
 
 
 def _line_integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
-    which = range(int(inputs["blocks"][0]), int(inputs["blocks"][-1]) + 1)
-    return _transfer_units(_model(inputs), inputs["receiver"], which)
+    return _transfer_units(_model(inputs), inputs["receiver"], _between(inputs["blocks"]))
 
 
 def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, LineIntegrals]]:
@@ -368,13 +372,13 @@ def excited_up_to(inputs: Inputs) -> float:
     )
 
 
-def _spectra_rail(inputs: Inputs) -> tuple[Unit, ...]:
+def _spectra_rail(inputs: Inputs) -> Unit:
     """Return the receptances that an approach rests on: moving for the full model, else standing."""
     if inputs["approach"] == "full":
         speed, which = inputs["speed"], blocks.up_to(excited_up_to(inputs))
     else:
         speed, which = STANDING, covering(inputs["band"])
-    return _receptance_units(_model(inputs), inputs["train"], speed, which)
+    return _receptance_unit(_model(inputs), inputs["train"], speed, which)
 
 
 def _line_integrals_of(inputs: Inputs, receiver: str | float) -> Unit:
@@ -383,7 +387,7 @@ def _line_integrals_of(inputs: Inputs, receiver: str | float) -> Unit:
 
 
 def _spectra_needs(inputs: Inputs) -> list[Unit]:
-    needs = [*_spectra_rail(inputs), _quasi_static_unit(inputs)]
+    needs = [_spectra_rail(inputs), _quasi_static_unit(inputs)]
     if inputs["approach"] == "full":  # the transfer function behind its receptances, which a run shows
         needs += _moving_units(_model(inputs), inputs["speed"], blocks.up_to(excited_up_to(inputs)))
         for receiver in inputs["receivers"]:
@@ -408,7 +412,7 @@ def _spectra(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Spectr
                 Unevenness(**inputs["unevenness"]),
                 inputs["speed"],
                 np.asarray(inputs["band"]),
-                Receptances([load(need) for need in _spectra_rail(inputs)]),
+                load(_spectra_rail(inputs)),
                 dict(zip(receivers, still, strict=True)),
                 _Receivers({each: _receiver_units(inputs, each) for each in receivers}, inputs["track"], load)
                 if full
@@ -459,7 +463,7 @@ def _transfer_memory(inputs: Inputs) -> int:
 
 
 def _receptance_bytes(inputs: Inputs) -> int:
-    rows = blocks.indices(int(inputs["block"]), 1).size
+    rows = sum(blocks.indices(block, 1).size for block in _between(inputs["blocks"]))
     return rows * len(inputs["distances"]) * COMPLEX
 
 
@@ -535,10 +539,10 @@ KINDS: dict[str, Kind] = {
         at_once=VALUES_AT_ONCE,
     ),
     "receptance": Kind(
-        result=ReceptanceBlock,
+        result=Receptances,
         scope=lambda inputs: "speed" if inputs["speed"] else "ground",
         needs=_receptance_needs,
-        together=_together(*_Model._fields, "speed", "distances"),
+        together=identity.digest,
         compute=_receptance,
         size=_receptance_bytes,
         memory=lambda inputs: 8 * _receptance_bytes(inputs),
@@ -546,7 +550,7 @@ KINDS: dict[str, Kind] = {
     "moving_transfer": Kind(
         result=MovingTransferBlock,
         scope=lambda inputs: "speed",
-        needs=_receptance_needs,
+        needs=_moving_transfer_needs,
         together=_together(*_Model._fields, "speed"),
         compute=_moving_transfer,
         size=_moving_bytes,

@@ -90,8 +90,8 @@ def _fe_be(receivers: Sequence[Inputs]) -> Amounts:
 
 
 def _receptance(inputs: Inputs) -> Amounts:
-    distances = len(inputs["distances"])
-    return {"units": 1.0, "distances": float(distances)}
+    which = float(len(inputs["blocks"]))
+    return {"blocks": which, "distances": which * len(inputs["distances"])}
 
 
 def _table_nodes(inputs: Inputs, receivers: Sequence[str | float]) -> float:

@@ -13,7 +13,7 @@ from railvib.ground import Ground, Layer
 from railvib.line_integrals import directly, line_integrals
 from railvib.moving_roughness import axle_pairs, products, spans
 from railvib.quasi_static import quasi_static_spectra
-from railvib.receptance import Receptances, receptance_block
+from railvib.receptance import tabulated_receptances
 from railvib.spectra import line_step, lines, spectra
 from railvib.unevenness import Unevenness
 from railvib.vehicle import Train
@@ -49,10 +49,7 @@ def functions(soft, track, tables):
 
 @pytest.fixture(scope="module")
 def standing(functions, track, train):
-    return Receptances(
-        receptance_block(functions["rail"], track, 0.0, axle_distances(train), block)
-        for block in range(-3, 3)
-    )
+    return tabulated_receptances(functions["rail"], track, 0.0, axle_distances(train), range(-3, 3))
 
 
 def test_no_receiver_depends_on_the_others(functions, train):
@@ -177,12 +174,8 @@ class TestSlowTrain:
     def one_axle(self, functions, track, receiver, speed, f):
         """Return the full model's and the moving roughness' PSD times the length they are averaged over."""
         reach = f.max() + 14.0
-        moving = Receptances(
-            receptance_block(functions["rail"], track, speed, [0.0], block) for block in range(-3, 3)
-        )
-        standing = Receptances(
-            receptance_block(functions["rail"], track, 0.0, [0.0], block) for block in range(-3, 3)
-        )
+        moving = tabulated_receptances(functions["rail"], track, speed, [0.0], range(-3, 3))
+        standing = tabulated_receptances(functions["rail"], track, 0.0, [0.0], range(-3, 3))
 
         def amplitude(beta):
             own = np.maximum(beta * speed / (2.0 * np.pi), 0.01)
@@ -209,12 +202,8 @@ class TestSlowTrain:
         train = Train(vehicles=[vehicle])
         speed, midband = 0.5, np.array([10.0])
         d = axle_distances(train)
-        moving = Receptances(
-            receptance_block(functions["rail"], track, speed, d, block) for block in range(-3, 3)
-        )
-        standing = Receptances(
-            receptance_block(functions["rail"], track, 0.0, d, block) for block in range(-3, 3)
-        )
+        moving = tabulated_receptances(functions["rail"], track, speed, d, range(-3, 3))
+        standing = tabulated_receptances(functions["rail"], track, 0.0, d, range(-3, 3))
         f = lines(midband, line_step(train.length, speed))
         excited = excitation(train, moving, ROUGH, speed, 25.0)
         full = passage_spectra({8.0: functions[8.0]}, excited, train.length, speed, f)[8.0]

@@ -17,7 +17,7 @@ from railvib.full_model import passage_spectra
 from railvib.ground import Ground, Layer
 from railvib.quasi_static import quasi_static_spectra
 from railvib.rational_fit import fit_flexibility
-from railvib.receptance import Receptances, receptance_block
+from railvib.receptance import tabulated_receptances
 from railvib.strip import strip_compliances
 from railvib.track import track_response
 from railvib.unevenness import Unevenness
@@ -115,10 +115,7 @@ def passages(soft, track, single, functions):
     """Displacements over time per unit amplitude of each harmonic, (harmonics, times), and the harmonics'
     variances.
     """
-    moving = Receptances(
-        receptance_block(functions["rail"], track, SPEED, axle_distances(single), block)
-        for block in range(-3, 4)
-    )
+    moving = tabulated_receptances(functions["rail"], track, SPEED, axle_distances(single), range(-3, 4))
     oracle = Oracle(soft, track)
     beta = 0.5 * (EDGES[1:] + EDGES[:-1])
     f = beta * SPEED / (2.0 * np.pi)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railvib.forces import arrivals, axle_distances, axle_forces, axle_numbers, force_matrices
-from railvib.receptance import ReceptanceBlock, Receptances
+from railvib.receptance import Receptances
 from railvib.vehicle import Train, train_receptance
 
 
@@ -162,14 +162,14 @@ def test_arrivals_and_numbers(train):
 def test_receptances_of_other_distances_are_not_mixed_up(train):
     """The matrix takes σ(α_j − α_k): an antisymmetric receptance shows which way round."""
     d = axle_distances(train)
-    block = ReceptanceBlock(
+    rail = Receptances(
         frequency=np.geomspace(0.5, 3.0, 34),
         distance=d,
         receptance=np.tile(1e-9 * (np.abs(d) < 1e-9) + 1e-12 * d, (34, 1)).astype(complex),
-        block=0,
-        level=0,
+        block=np.array([0]),
+        level=np.array([0]),
         speed=0.0,
-        interpolation_error=0.0,
+        interpolation_error=np.array([0.0]),
     )
     f = np.array([2.0])
     alpha = train.axle_positions
@@ -177,6 +177,4 @@ def test_receptances_of_other_distances_are_not_mixed_up(train):
     compliance = (
         compliance + train_receptance(train, 2.0 * np.pi * f)[0] + np.diag(1.0 / train.contact_stiffness)
     )
-    np.testing.assert_allclose(
-        force_matrices(train, Receptances([block]), f)[0], -np.linalg.inv(compliance), rtol=1e-8
-    )
+    np.testing.assert_allclose(force_matrices(train, rail, f)[0], -np.linalg.inv(compliance), rtol=1e-8)

@@ -102,6 +102,15 @@ def test_the_response_to_axle_loads_needs_tables_only_where_something_is_left():
     assert found == {"rail": {0, 1, 2, 3}, 8.0: {0, 1, 2}, 100.0: {0}}
 
 
+def test_a_receiver_where_nothing_is_left_needs_one_table_all_the_same():
+    """At 400 m nothing is left from the lowest band on, which begins at the edge of a block."""
+    band = {"minimum_hz": 12.5, "maximum_hz": 16}
+    unit = wanted(receivers={"offsets_m": [400]}, frequency=band)[30.0, "full"]
+    (still,) = [need for need in units.KINDS["spectra"].needs(unit.inputs) if need.kind == "quasi_static"]
+    needs = [need for need in units.KINDS["quasi_static"].needs(still.inputs)]
+    assert [need.inputs["block"] for need in needs if need.inputs["receiver"] == 400.0] == [2]
+
+
 def test_the_tolerance_enters_every_unit():
     one, other = wanted(), wanted(accuracy={"tolerance": 2e-3})
     for key in one:
