@@ -16,6 +16,7 @@ import numpy as np
 from railvib import blocks
 from railvib.track import Track, track_response
 from railvib.transfer import TransferFunction
+from railvib.vector_math import turned
 
 _SHARES = np.array([0.0, 0.5, 0.6, 0.7, 0.4, 0.3])
 """Slownesses whose phase is tried, of one above every wave's."""
@@ -45,14 +46,14 @@ class Load(NamedTuple):
             response[beyond] = track_response(self.track, turn[beyond], static[beyond], 0.0)[0]
         angle = turn[:, None] * self.distance
         share = (response.imag * turn / np.pi)[:, None] * angle / (1.0 + angle**2)
-        return np.asarray(share * _turned(angle))
+        return np.asarray(share * turned(angle))
 
     def phase(self, frequency: np.ndarray, slowness: float) -> np.ndarray:
         """Return e^{iωs'|d|} of waves of a slowness in s/m, complex (n, m)."""
         ahead = slowness / max(1.0 - slowness * self.speed, _NEAREST_TO_CRITICAL)
         behind = slowness / (1.0 + slowness * self.speed)
         away = np.where(self.distance > 0.0, ahead, behind) * np.abs(self.distance)
-        return _turned(2.0 * np.pi * frequency[:, None] * away)
+        return turned(2.0 * np.pi * frequency[:, None] * away)
 
 
 class Reduced(NamedTuple):
@@ -114,11 +115,3 @@ def smoothest(
         if error <= enough:
             break
     return best
-
-
-def _turned(angle: np.ndarray) -> np.ndarray:
-    """Return e^{i·angle}; the complex exponential takes several times as long as its parts."""
-    value = np.empty(angle.shape, complex)
-    np.cos(angle, out=value.real)
-    np.sin(angle, out=value.imag)
-    return value

@@ -11,6 +11,7 @@ import numpy as np
 from railvib import cost
 from railvib.axle_system import solve
 from railvib.receptance import Receptances
+from railvib.vector_math import turned
 from railvib.vehicle import Train, chain_flexibilities, train_receptance
 
 _MOST_GROWTH = 1e3
@@ -92,7 +93,7 @@ def _forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenness: 
 
 def arrivals(train: Train, frequency: np.ndarray, speed: float) -> np.ndarray:
     """Return w̃_l = e^{iβα_l} with β = ω/v (Eq. 20, 21), shape (frequencies, axles)."""
-    return np.asarray(np.exp(2j * np.pi / speed * frequency[:, None] * train.axle_positions))
+    return turned(2.0 * np.pi / speed * frequency[:, None] * train.axle_positions)
 
 
 def axle_numbers(train: Train) -> np.ndarray:

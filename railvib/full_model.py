@@ -24,6 +24,7 @@ from railvib.excitation import Excitation
 from railvib.panels import FROM_POWERS, ORDER, WEIGHT
 from railvib.squared import same_nodes, squared
 from railvib.transfer import Receiver, TransferFunction
+from railvib.vector_math import turned
 
 _LINES_AT_ONCE = 64
 RECEIVERS_AT_ONCE = 8
@@ -77,7 +78,7 @@ def passage_spectra(
             functions = {each: receivers[each] for each in ordered[i : i + RECEIVERS_AT_ONCE]}
             for start in range(0, frequency.size, _LINES_AT_ONCE):
                 here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
-                turn = np.exp(2j * np.pi / speed * frequency[here, None] * excited.axle_position)
+                turn = turned(2.0 * np.pi / speed * frequency[here, None] * excited.axle_position)
                 amplitude = _amplitudes(excited.turned(turn))
                 for members, block, own in same_nodes(functions, frequency[here]):
                     f = frequency[here[own]]
@@ -154,7 +155,7 @@ def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest):
     owner = np.empty((2, _PARTS), np.int64)
     place = np.zeros((5, _PARTS))
     series = np.zeros((2 * ORDER, _PARTS))
-    power = np.empty((2, _NODES, _PARTS))
+    power = np.empty(_PARTS)
     moment = np.empty((ORDER, _PARTS))
     count = 0
     for i in range(lines):
@@ -209,7 +210,11 @@ def _integrate(place, series, power, moment):
 
     All places are computed, whatever the count, so that each goes through the same vector instructions.
     """
+    for n in range(ORDER):
+        for m in range(_PARTS):
+            moment[n, m] = 0.0
     for j in range(_NODES):
+        # In two loops, as one would need more registers than there are.
         for m in range(_PARTS):
             x = place[0, m] + place[1, m] * _NODE[j]
             real = series[2 * ORDER - 2, m]
@@ -217,15 +222,13 @@ def _integrate(place, series, power, moment):
             for n in range(ORDER - 2, -1, -1):
                 real = real * x + series[2 * n, m]
                 imag = imag * x + series[2 * n + 1, m]
-            power[0, j, m] = _WEIGHT[j] * place[4, m] * (real * real + imag * imag)
-            power[1, j, m] = place[2, m] + place[3, m] * _NODE[j]
-    for n in range(ORDER):
+            power[m] = _WEIGHT[j] * place[4, m] * (real * real + imag * imag)
         for m in range(_PARTS):
-            total = 0.0
-            for j in range(_NODES):
-                total += power[0, j, m]
-                power[0, j, m] *= power[1, j, m]
-            moment[n, m] = total
+            x = place[2, m] + place[3, m] * _NODE[j]
+            each = power[m]
+            for n in range(ORDER):
+                moment[n, m] += each
+                each *= x
 
 
 @numba.njit(cache=True, error_model="numpy")

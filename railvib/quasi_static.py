@@ -12,6 +12,7 @@ from railvib import cost
 from railvib.ground import Ground
 from railvib.track import Track
 from railvib.transfer import TOP, Receiver, TransferFunction, nothing_beyond
+from railvib.vector_math import turned
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def quasi_static_spectra(
     """
     kappa = 2.0 * np.pi * frequency / speed
     with cost.stage("quasi-static") as spent:
-        load = np.exp(1j * kappa[:, None] * axle_position) @ axle_load / speed
+        load = turned(kappa[:, None] * axle_position) @ axle_load / speed
         psd = {
             receiver: np.abs(receivers[receiver].along(frequency, kappa) * load) ** 2
             * 2.0

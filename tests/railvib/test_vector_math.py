@@ -3,7 +3,7 @@
 import numba
 import numpy as np
 
-from railvib.vector_math import cos_sin, exp, log
+from railvib.vector_math import cos_sin, exp, log, turned
 
 
 @numba.njit
@@ -46,3 +46,8 @@ def test_logarithm():
         ]
     )
     np.testing.assert_allclose(_logarithms(x), np.log(x), rtol=5e-16, atol=0)
+
+
+def test_turned():
+    angle = np.linspace(-2e4, 2e4, 60_000).reshape(3, -1)
+    np.testing.assert_allclose(turned(angle), np.exp(1j * angle), rtol=0, atol=4e-16)
