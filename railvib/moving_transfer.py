@@ -3,6 +3,7 @@
 It depends on the speed and on no train, so that all trains at a speed share it.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,8 +16,8 @@ _PANELS = 3
 
 
 @dataclass(frozen=True)
-class MovingTransferBlock:
-    """H̃_R(β, ω − βv) over one block of the load's frequencies, those of level 0, at one speed."""
+class MovingTransfer:
+    """H̃_R(β, ω − βv) at one speed over blocks of the load's frequencies, those of level 0."""
 
     frequency: np.ndarray = field(
         metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency of the load"}
@@ -25,7 +26,7 @@ class MovingTransferBlock:
         metadata={
             "dims": ("frequency", "node"),
             "unit": "rad/m",
-            "description": "wavenumber along the track, of either sign",
+            "description": "wavenumber along the track, of either sign; NaN where a block has fewer nodes",
         }
     )
     rail_moving: np.ndarray = field(
@@ -35,13 +36,11 @@ class MovingTransferBlock:
             "description": "rail at the frequency that the track sees; NaN where that is not tabulated",
         }
     )
-    block: int
-    """Index of the block, see `railvib.blocks`."""
     speed: float
     """Speed of the load, m/s."""
 
 
-def moving_transfer_block(rail: TransferFunction, speed: float, block: int) -> MovingTransferBlock:
+def moving_transfer(rail: TransferFunction, speed: float, which: Iterable[int]) -> MovingTransfer:
     """Tabulate the rail's transfer function for a moving load, nearly on the standing load's nodes.
 
     Of the panels where waves travel three are made one: the table's resolve the ground at some distance too.
@@ -49,14 +48,28 @@ def moving_transfer_block(rail: TransferFunction, speed: float, block: int) -> M
     Parameters
     ----------
     rail
-        The rail's tabulated transfer function, up to `receptance.highest_tabulated_frequency` of the block's
-        upper edge.
+        The rail's tabulated transfer function, up to `receptance.highest_tabulated_frequency` of the highest
+        block's upper edge.
     speed
         m/s.
-    block
-        Index of the block, see `railvib.blocks`.
+    which
+        Indices of the blocks, ascending, see `railvib.blocks`.
     """
-    frequency = blocks.frequency(0, blocks.indices(block, 0)[blocks.HALO : -blocks.HALO])
+    made = [_block(rail, speed, block) for block in which]
+    frequency, beta, value = zip(*made, strict=True)
+    return MovingTransfer(np.concatenate(frequency), _joined(beta), _joined(value), speed)
+
+
+def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """Return blocks (frequency, node) as one, with NaN where one has fewer nodes."""
+    nodes = max(each.shape[1] for each in parts)
+    filled = [np.pad(each, ((0, 0), (0, nodes - each.shape[1])), constant_values=np.nan) for each in parts]
+    return np.concatenate(filled)
+
+
+def _block(rail: TransferFunction, speed: float, block: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the frequencies of a block below its upper edge, wavenumbers and values."""
+    frequency = blocks.frequency(0, blocks.indices(block, 0)[blocks.HALO : -blocks.HALO - 1])
     table = rail.blocks[min(max(block, min(rail.blocks)), max(rail.blocks))]
     waves = table.edge[table.edge <= 1.0]
     kept = np.concatenate([[0.0], waves[-1:0:-_PANELS][::-1], table.edge[table.edge > 1.0]])
@@ -66,4 +79,4 @@ def moving_transfer_block(rail: TransferFunction, speed: float, block: int) -> M
     inside = (np.abs(seen) <= 2.0 * np.pi * rail.highest) & (np.abs(beta) <= rail.reach)
     moving = np.full(beta.shape, complex(np.nan, np.nan))
     moving[inside] = rail.response(beta[inside], seen[inside])
-    return MovingTransferBlock(frequency, beta, moving, block, speed)
+    return frequency, beta, moving

@@ -1,6 +1,6 @@
 """All transfer functions of a run as one lazy dataset, put together from the store's immutable groups."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -52,7 +52,7 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
     for kind, parts in (("transfer", fixed), ("moving_transfer", moving)):
         for record in records.committed(directory, kind):
             for soil, track in sorted(names.get(record["unit_id"], ())):
-                parts.append(_part(directory, record, soil, track))
+                parts += _parts(directory, record, soil, track)
     frequency = {
         block: np.unique(
             np.concatenate([part.frequency for part in (*fixed, *moving) if part.block == block])
@@ -95,7 +95,7 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
 
 @dataclass(frozen=True)
 class _Part:
-    """One stored group: its place in the grid, and its frequencies without those beyond the block's edges."""
+    """A block of a stored group: its place in the grid, and its frequencies inside the block's edges."""
 
     directory: Path | str
     group: str
@@ -108,24 +108,25 @@ class _Part:
     nodes: int
 
 
-def _part(directory: Path | str, record: Mapping[str, Any], soil: str, track: str) -> _Part:
+def _parts(directory: Path | str, record: Mapping[str, Any], soil: str, track: str) -> Iterator[_Part]:
+    """Yield the blocks of a stored group."""
     group, inputs = record["group"], record["inputs"]
-    block = int(inputs["block"])
     values = next(name for name in ("rail", "ground", "rail_moving") if name in record["arrays"])
     frequency = np.asarray(store.open_array(directory, group, "frequency")[...])
-    low, high = blocks.edges(block)
-    inside = (frequency >= low * (1.0 - 1e-9)) & (frequency < high * (1.0 - 1e-9))
     third = inputs["receiver"] if "receiver" in inputs else round(inputs["speed"] * KMH, 9)
-    return _Part(
-        directory,
-        group,
-        values,
-        (soil, track, third),
-        block,
-        inside,
-        frequency[inside],
-        record["arrays"][values]["shape"][1],
-    )
+    for block in inputs["blocks"] if "blocks" in inputs else [inputs["block"]]:
+        low, high = blocks.edges(int(block))
+        inside = (frequency >= low * (1.0 - 1e-9)) & (frequency < high * (1.0 - 1e-9))
+        yield _Part(
+            directory,
+            group,
+            values,
+            (soil, track, third),
+            int(block),
+            inside,
+            frequency[inside],
+            record["arrays"][values]["shape"][1],
+        )
 
 
 def _variables(

@@ -22,7 +22,7 @@ from railvib.forces import axle_distances
 from railvib.full_model import RECEIVERS_AT_ONCE
 from railvib.ground import Ground
 from railvib.line_integrals import LineIntegrals, line_integrals
-from railvib.moving_transfer import MovingTransferBlock, moving_transfer_block
+from railvib.moving_transfer import MovingTransfer, moving_transfer
 from railvib.panels import ORDER
 from railvib.plausibility import check_damping, check_speed
 from railvib.quasi_static import QuasiStatic, highest_left, quasi_static_spectra
@@ -120,11 +120,9 @@ def _receptance_unit(model: _Model, train: Canonical, speed: float, which: range
 
 
 @lru_cache(REMEMBERED)
-def _moving_units(model: _Model, speed: float, which: range) -> tuple[Unit, ...]:
-    """Return the units of the rail's transfer function for loads at a speed, over some blocks."""
-    return tuple(
-        Unit.of("moving_transfer", speed=speed, block=block, **model.inputs) for block in reversed(which)
-    )
+def _moving_unit(model: _Model, speed: float, which: range) -> Unit:
+    """Return the unit of the rail's transfer function for loads at a speed, over some blocks."""
+    return Unit.of("moving_transfer", speed=speed, blocks=tuple(which), **model.inputs)
 
 
 def _quasi_static_unit(inputs: Inputs) -> Unit:
@@ -216,17 +214,13 @@ def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Trans
         yield {asked[receiver]: table for receiver, table in made.items()}
 
 
-def _rail_units(inputs: Inputs, which: range) -> tuple[Unit, ...]:
-    """Return the units of the rail's transfer function that receptances over some blocks read."""
+def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
+    which = _between(inputs["blocks"])
     if "cross_section" in inputs:  # loads stand, and a table's halo reaches as far as the receptances'
         return _transfer_units(_model(inputs), RAIL, which)
     track = Track(**inputs["track"])
     highest = highest_tabulated_frequency(track, blocks.reach(which[-1]), inputs["speed"])
     return _transfer_units(_model(inputs), RAIL, blocks.up_to(highest))
-
-
-def _receptance_needs(inputs: Inputs) -> tuple[Unit, ...]:
-    return _rail_units(inputs, _between(inputs["blocks"]))
 
 
 def _receptance(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Receptances]]:
@@ -250,16 +244,12 @@ def _between(which: Sequence[int]) -> range:
     return range(int(which[0]), int(which[-1]) + 1)
 
 
-def _moving_transfer_needs(inputs: Inputs) -> tuple[Unit, ...]:
-    return _rail_units(inputs, _between([inputs["block"]]))
-
-
-def _moving_transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, MovingTransferBlock]]:
-    highest = max(units, key=lambda unit: int(unit.inputs["block"])).inputs
-    needs = [load(need) for need in _moving_transfer_needs(highest)]
-    rail = TransferFunction(needs, Track(**highest["track"]))
+def _moving_transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, MovingTransfer]]:
     for unit in units:
-        yield {unit: moving_transfer_block(rail, unit.inputs["speed"], int(unit.inputs["block"]))}
+        inputs = unit.inputs
+        needs = [load(need) for need in _receptance_needs(inputs)]
+        rail = TransferFunction(needs, Track(**inputs["track"]))
+        yield {unit: moving_transfer(rail, inputs["speed"], _between(inputs["blocks"]))}
 
 
 def _receiver_units(inputs: Inputs, receiver: str | float) -> tuple[Unit, ...]:
@@ -389,7 +379,7 @@ def _line_integrals_of(inputs: Inputs, receiver: str | float) -> Unit:
 def _spectra_needs(inputs: Inputs) -> list[Unit]:
     needs = [_spectra_rail(inputs), _quasi_static_unit(inputs)]
     if inputs["approach"] == "full":  # the transfer function behind its receptances, which a run shows
-        needs += _moving_units(_model(inputs), inputs["speed"], blocks.up_to(excited_up_to(inputs)))
+        needs.append(_moving_unit(_model(inputs), inputs["speed"], blocks.up_to(excited_up_to(inputs))))
         for receiver in inputs["receivers"]:
             needs += _receiver_units(inputs, receiver)
     else:
@@ -468,7 +458,7 @@ def _receptance_bytes(inputs: Inputs) -> int:
 
 
 def _moving_bytes(inputs: Inputs) -> int:
-    return (blocks.STEPS + 1) * 2 * 200 * (COMPLEX + FLOAT)
+    return len(inputs["blocks"]) * blocks.STEPS * 2 * 200 * (COMPLEX + FLOAT)
 
 
 def _line_integral_bytes(inputs: Inputs) -> int:
@@ -548,10 +538,10 @@ KINDS: dict[str, Kind] = {
         memory=lambda inputs: 8 * _receptance_bytes(inputs),
     ),
     "moving_transfer": Kind(
-        result=MovingTransferBlock,
+        result=MovingTransfer,
         scope=lambda inputs: "speed",
-        needs=_moving_transfer_needs,
-        together=_together(*_Model._fields, "speed"),
+        needs=_receptance_needs,
+        together=identity.digest,
         compute=_moving_transfer,
         size=_moving_bytes,
         memory=lambda inputs: 4 * _moving_bytes(inputs),

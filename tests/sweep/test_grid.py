@@ -54,11 +54,10 @@ def test_moving_loads_are_those_of_the_full_model(computed, grid):
     column = grid.sel(soil="horstwalde", track="ballasted-paper").compute()
     for record in records.committed(computed / "out", "moving_transfer"):
         arrays, _attributes = store.read_arrays(computed / "out", record["group"])
-        kept = inside(arrays, record["inputs"]["block"])
-        count = arrays["wavenumber"].shape[1]
-        here = column.sel(speed_kmh=30.0, frequency=arrays["frequency"][kept])
-        np.testing.assert_array_equal(here.rail_moving.values[:, :count], arrays["rail_moving"][kept])
-        np.testing.assert_array_equal(here.moving_wavenumber.values[:, :count], arrays["wavenumber"][kept])
+        assert len(record["inputs"]["blocks"]) > 1
+        here = column.sel(speed_kmh=30.0, frequency=arrays["frequency"])
+        np.testing.assert_array_equal(here.rail_moving.values, arrays["rail_moving"])
+        np.testing.assert_array_equal(here.moving_wavenumber.values, arrays["wavenumber"])
 
 
 def test_without_a_full_model_nothing_moves(tmp_path, monkeypatch):
