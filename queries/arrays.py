@@ -109,7 +109,7 @@ class Reader:
         """Insert the receptance under the load, once for every soil and track whose cases use this unit."""
         names = ("soil", "track", "soil_id", "track_id")
         nearest = int(np.argmin(np.abs(arrays["distance"])))
-        own = _own(arrays["frequency"]) if "block" in record["inputs"] else slice(None)
+        own = _own(arrays["frequency"]) if "blocks" in record["inputs"] else slice(None)
         frequency, receptance = arrays["frequency"][own], arrays["receptance"][own, nearest]
         used = {case_id for case_id, _ in self._said.owners[record["unit_id"]]}
         for named in sorted({tuple(self._cases[each][name] for name in names) for each in used}, key=str):
@@ -131,16 +131,21 @@ class Reader:
 
 
 def _own(frequency: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return which frequencies of a block no other block has.
+    """Return which frequencies of blocks no other block has.
 
-    A block reaches over half a decade in even logarithmic steps, and as far beyond its lower edge as beyond
-    its upper one, which is the lower one of the next block.
+    Blocks follow one another, each beginning below the end of the one before. A block reaches over half a
+    decade in even logarithmic steps, and as far beyond its lower edge as beyond its upper one, which is the
+    lower one of the next block.
     """
     position = np.log10(frequency)
-    beyond = (position[-1] - position[0] - _BLOCK_DECADES) / 2.0
-    half_step = (position[-1] - position[0]) / (2 * max(frequency.size - 1, 1))
-    lower = position[0] + max(beyond, 0.0) - half_step
-    return np.asarray((position > lower) & (position < lower + _BLOCK_DECADES))
+    own = np.zeros(frequency.size, bool)
+    for rows in np.split(np.arange(frequency.size), np.flatnonzero(np.diff(position) <= 0.0) + 1):
+        first, last = position[rows[0]], position[rows[-1]]
+        beyond = (last - first - _BLOCK_DECADES) / 2.0
+        half_step = (last - first) / (2 * max(rows.size - 1, 1))
+        lower = first + max(beyond, 0.0) - half_step
+        own[rows] = (position[rows] > lower) & (position[rows] < lower + _BLOCK_DECADES)
+    return own
 
 
 def wanted(setting: Any, approach: str, receiver: str, offset: float | None) -> bool:

@@ -90,6 +90,8 @@ def test_blocks_that_overlap_give_every_frequency_once():
     blocks = [10.0 ** (0.05 + np.arange(25 * block - 4, 25 * block + 30) / 50) for block in range(3)]
     kept = np.concatenate([frequency[_own(frequency)] for frequency in blocks])
     np.testing.assert_allclose(kept, 10.0 ** (0.05 + np.arange(75) / 50))
+    together = np.concatenate(blocks)
+    np.testing.assert_array_equal(together[_own(together)], kept)
 
 
 def test_an_offset_that_does_not_exist_is_null(results):
