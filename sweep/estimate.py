@@ -16,6 +16,8 @@ from sweep.task import CACHE_BYTES
 
 MARGIN = 1.15
 """On the memory that arrays take, for what lies between them."""
+FIRST_BYTES = 16 * 2**20
+"""What a worker that has been idle touches for the first time when it computes, however little that is."""
 CACHE_SHARE = 2
 """What results that a worker keeps take at most, over their arrays as stored: what is derived stays too."""
 DATABASE_SHARE = 1.5
@@ -77,7 +79,7 @@ def estimate(request: Request, rates: Rates) -> Estimate:
     return Estimate(
         tasks=len(plan.tasks),
         bytes=stored,
-        peak_memory_bytes=int(rates.idle_bytes + MARGIN * (held + memory)),
+        peak_memory_bytes=int(rates.idle_bytes + FIRST_BYTES + MARGIN * (held + memory)),
         cpu_s=sum(_cpu(request, rates).values()),
         pilot_s=rates.pilot_s,
     )
