@@ -80,7 +80,7 @@ def _forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenness: 
             np.stack([chain_flexibilities(vehicle, omega) for vehicle in kinds]),
             np.array([kinds[vehicle] for vehicle in reversed(train.vehicles)]),
             1.0 / train.contact_stiffness,
-            unevenness,
+            np.ascontiguousarray(unevenness),
             forces,
         )
         for row in np.flatnonzero(~(growth < _MOST_GROWTH)):  # as yet no train has needed it

@@ -86,7 +86,8 @@ def passage_spectra(
                     value = squared([functions[each] for each in members], block, f, tolerance)
                     value = value.reshape(*value.shape[:2], -1, ORDER)
                     needed = _needed(edge, value)
-                    moment = _moments(
+                    moment = np.zeros((*needed.shape[1:], ORDER))
+                    _moments(
                         edge,
                         needed.any(axis=0),
                         2.0 * np.pi * f / speed,
@@ -94,6 +95,7 @@ def passage_spectra(
                         own,
                         excited.edge,
                         *excited.wavenumbers,
+                        moment,
                     )
                     integrals = _sums(needed, moment @ FROM_POWERS, value)
                     for receiver, integral in zip(members, integrals, strict=True):
@@ -142,25 +144,24 @@ def _sums(needed, weight, value):
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest):
-    """Return ∫ |A(κ + shift)|² xⁿ dκ, x from −1 to 1 over a panel of |κ|, (lines, panels, order).
+def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, out):
+    """Add ∫ |A(κ + shift)|² xⁿ dκ, x from −1 to 1 over a panel of |κ|, to `out` (lines, panels, order).
 
-    Over lowest ≤ |κ + shift| ≤ highest, at the panels wanted, 0 elsewhere. Panels of κ and those of β cut
+    Over lowest ≤ |κ + shift| ≤ highest, at the panels wanted. Panels of κ and those of β cut
     each other into parts with nodes of their own. `rows` tells which lines of `amplitude`, from
     `_amplitudes`, these are.
     """
     lines, panels = wanted.shape
-    out = np.zeros((lines, panels, ORDER))
     tiny = 1e-12 * beta_edge[-1]
     owner = np.empty((2, _PARTS), np.int64)
     place = np.zeros((5, _PARTS))
     series = np.zeros((2 * ORDER, _PARTS))
     power = np.empty(_PARTS)
     moment = np.empty((ORDER, _PARTS))
-    count = 0
+    count = np.int64(0)  # a literal, here and below, would be a type of its own, and compiled twice
     for i in range(lines):
         for side in (-1.0, 1.0):
-            below = 0
+            below = np.int64(0)
             for p in range(panels):
                 if not wanted[i, p]:
                     continue
@@ -198,10 +199,9 @@ def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest):
                     if count == _PARTS:
                         _integrate(place, series, power, moment)
                         _add(count, owner, moment, out)
-                        count = 0
+                        count = np.int64(0)
     _integrate(place, series, power, moment)
     _add(count, owner, moment, out)
-    return out
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})

@@ -185,7 +185,9 @@ def directly(
                 rows = here[own]
                 value = squared([receivers[each] for each in members], block, f[rows], tolerance)
                 edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
-                found = _cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), d)
+                found = np.zeros((f[rows].size, len(members), d.size))
+                sine = np.zeros((len(members), d.size))
+                _cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), d, found, sine)
                 for receiver, each in zip(members, found.swapaxes(0, 1), strict=True):
                     integral[receiver][rows] = each
                 spent.evaluations += value.size
@@ -194,11 +196,12 @@ def directly(
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _cosine_integrals(edge, value, distance):
-    """Return ∫ |H̃|² cos(βd) dβ, (lines, receivers, distances), over all panels with something in them."""
+def _cosine_integrals(edge, value, distance, out, sine):
+    """Add ∫ |H̃|² cos(βd) dβ over all panels with something in them to `out` (lines, receivers, distances).
+
+    `sine`, (receivers, distances), is room for what nobody asks for.
+    """
     receivers, lines, panels, _ = value.shape
-    out = np.zeros((lines, receivers, distance.shape[0]))
-    sine = np.zeros((receivers, distance.shape[0]))
     kept_value = np.empty((receivers, panels, ORDER))
     centre = np.empty(panels)
     half = np.empty(panels)
@@ -221,7 +224,6 @@ def _cosine_integrals(edge, value, distance):
                     kept_value[q, kept, j] = value[q, i, p, j] if needed[q, p] else 0.0
             kept += 1
         fourier_integrals(centre[:kept], half[:kept], kept_value, distance, out[i], sine)
-    return out
 
 
 @numba.njit(cache=True, error_model="numpy")

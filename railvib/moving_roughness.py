@@ -91,7 +91,8 @@ def line_means(
     M is real and even, so that only the real part of the forces' products counts, summed by distance.
     """
     parts = np.ascontiguousarray(force, complex).view(float)
-    summed = _by_distance(parts, _columns(distance, axle_position), distance.size)
+    summed = np.zeros((force.shape[0], distance.size))
+    _by_distance(parts, _columns(distance, axle_position), summed)
     return {
         receiver: np.asarray(np.einsum("fd,fd->f", integral, summed))
         for receiver, integral in integrals.items()
@@ -99,13 +100,12 @@ def line_means(
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
-def _by_distance(force, column, distances):
-    """Return Σ_s Re P_ls* P_ms summed over the axles l and m at each distance, (lines, distances).
+def _by_distance(force, column, out):
+    """Add Σ_s Re P_ls* P_ms over the axles l and m at each distance to `out` (lines, distances).
 
     Real and imaginary parts of the forces are in turn, (lines, axles, 2·sets).
     """
     lines, axles, parts = force.shape
-    out = np.zeros((lines, distances))
     for i in range(lines):
         for k in range(axles):
             for m in range(k + 1):
@@ -113,7 +113,6 @@ def _by_distance(force, column, distances):
                 for n in range(parts):
                     total += force[i, k, n] * force[i, m, n]
                 out[i, column[k, m]] += total if m == k else 2.0 * total
-    return out
 
 
 def _responses(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:

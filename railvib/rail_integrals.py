@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from railvib import blocks
-from railvib.panels import NODE, fourier_integrals, unresolved
+from railvib.panels import NODE, ORDER, fourier_integrals, unresolved
 from railvib.track import Track, track_response
 from railvib.transfer import TransferFunction
 
@@ -73,12 +73,16 @@ def rail_integrals(
     sides = 2.0 if speed == 0.0 else 1.0
     panels = _resolved(rail, track, speed, frequency, tolerance)
     order = np.argsort(panels.owner, kind="stable")
-    cosine, sine = _per_frequency(
+    cosine = np.zeros((frequency.size, 2, distance.size))
+    sine = np.zeros((frequency.size, 2, distance.size))
+    _per_frequency(
         np.searchsorted(panels.owner[order], np.arange(frequency.size + 1)),
         panels.centre[order],
         panels.half[order],
-        np.stack([panels.value.real, panels.value.imag])[:, order],
+        np.stack([panels.value.real, panels.value.imag], axis=1)[order],
         distance,
+        cosine,
+        sine,
     )
     even = sides * (cosine[:, 0] + 1j * cosine[:, 1])
     odd = sine[:, 0] + 1j * sine[:, 1] if speed != 0.0 else np.zeros_like(even)
@@ -171,11 +175,20 @@ def _within(value: np.ndarray, limit: float) -> np.ndarray:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _per_frequency(first, centre, half, value, distance):
-    """Return the cosine and sine integrals of every frequency's panels, (frequencies, 2, distances) each."""
-    cosine = np.zeros((first.shape[0] - 1, 2, distance.shape[0]))
-    sine = np.zeros((first.shape[0] - 1, 2, distance.shape[0]))
-    for i in range(first.shape[0] - 1):
-        own = slice(first[i], first[i + 1])
-        fourier_integrals(centre[own], half[own], value[:, own], distance, cosine[i], sine[i])
-    return cosine, sine
+def _per_frequency(first, centre, half, value, distance, cosine, sine):
+    """Add the cosine and sine integrals of every frequency's panels, (frequencies, 2, distances) each.
+
+    `value`, (panels, 2, order), holds real and imaginary parts.
+    """
+    frequencies = first.shape[0] - 1
+    most = 0
+    for i in range(frequencies):
+        most = max(most, first[i + 1] - first[i])
+    own = np.empty((2, most, ORDER))
+    for i in range(frequencies):
+        for p in range(first[i], first[i + 1]):
+            for q in range(2):
+                for j in range(ORDER):
+                    own[q, p - first[i], j] = value[p, q, j]
+        here = slice(first[i], first[i + 1])
+        fourier_integrals(centre[here], half[here], own, distance, cosine[i], sine[i])

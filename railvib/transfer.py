@@ -135,7 +135,7 @@ class TransferBlock:
                     np.ascontiguousarray(self.transfer).view(float),
                     _inverse_force(self, track).view(float),
                     2.0 * np.pi * self.reference_slowness * self.frequency,
-                    self.wavenumber,
+                    np.ascontiguousarray(self.wavenumber),
                     self.distance if self.reference_slowness > 0.0 else 0.0,
                 )
             ).view(complex)
