@@ -47,17 +47,6 @@ def frequency(level: int, k: np.ndarray | int) -> np.ndarray:
     return np.asarray(10.0 ** (SHIFT + np.asarray(k) / (PER_DECADE * STEPS * 2**level)))
 
 
-def sections(which: Iterable[int], levels: Iterable[int]) -> dict[int, tuple[int, slice]]:
-    """Return of blocks whose tables follow one another their levels and rows."""
-    found: dict[int, tuple[int, slice]] = {}
-    start = 0
-    for block, level in zip(which, levels, strict=True):
-        end = start + indices(block, level).size
-        found[int(block)] = int(level), slice(start, end)
-        start = end
-    return found
-
-
 def reach(block: int) -> float:
     """Return the highest frequency that a block may tabulate, the widest halo included, Hz."""
     return float(frequency(0, indices(block, 0)[-1]))
@@ -151,6 +140,33 @@ def assigned(f: np.ndarray, there: Iterable[int]) -> np.ndarray:
     """Return for each frequency in Hz its block, or the nearest of those that are there."""
     nearest = np.floor(PER_DECADE * (np.log10(np.maximum(f, 1e-9)) - SHIFT) + 1e-9)
     return np.asarray(np.clip(nearest, min(there), max(there)), int)
+
+
+def across(which: np.ndarray, levels: np.ndarray, f: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """Interpolate the tables of blocks that follow one another to frequencies in any of them.
+
+    Parameters
+    ----------
+    which, levels
+        Indices and levels of the blocks.
+    f
+        Frequencies (n,), Hz.
+    table
+        Their rows, one block's after the other's, (rows, m).
+
+    Returns
+    -------
+    ndarray, shape (n, m)
+    """
+    value = np.empty((f.size, table.shape[1]), table.dtype)
+    own = assigned(f, which)
+    start = 0
+    for block, level in zip(which.tolist(), levels.tolist(), strict=True):
+        end = start + indices(block, level).size
+        here = own == block
+        value[here] = interpolated(block, level, f[here], table[start:end])
+        start = end
+    return value
 
 
 def covering(lower: float, upper: float) -> range:

@@ -57,12 +57,7 @@ class LineIntegrals:
 
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Interpolate to frequencies (n,) in Hz inside the blocks; (n, distances), m³/N²."""
-        which = blocks.assigned(frequency, self.block)
-        value = np.empty((frequency.size, self.distance.size))
-        for block, (level, rows) in blocks.sections(self.block, self.level).items():
-            here = which == block
-            value[here] = blocks.interpolated(block, level, frequency[here], self.integral[rows])
-        return value
+        return blocks.across(self.block, self.level, frequency, self.integral)
 
 
 def line_integrals(

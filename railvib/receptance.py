@@ -61,13 +61,8 @@ class Receptances:
 
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Interpolate to frequencies (n,) in Hz; below the tables the static limit; (n, distances), m/N."""
-        which = blocks.assigned(frequency, self.block)
-        value = np.empty((frequency.size, self.distance.size), complex)
-        for block, (level, rows) in blocks.sections(self.block, self.level).items():
-            here = which == block
-            f = np.maximum(frequency[here], blocks.edges(block)[0])
-            value[here] = blocks.interpolated(block, level, f, self.receptance[rows])
-        return value
+        above = np.maximum(frequency, blocks.edges(int(self.block.min()))[0])
+        return blocks.across(self.block, self.level, above, self.receptance)
 
 
 def tabulated_receptances(

@@ -12,7 +12,7 @@ Between the frequencies of a table the ground's compliance is interpolated, and 
 exactly: rails on pads resonate more sharply than damped ground, and would ask for many more frequencies.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -362,7 +362,11 @@ class TransferFunction:
         """
         table = self.blocks[block]
         beta = table.nodes.wavenumber(frequency)
-        return beta, together([self], block, frequency)[0]
+
+        def between(rows: np.ndarray) -> np.ndarray:
+            return blocks.interpolated(block, table.level, frequency, rows)
+
+        return beta, _loaded(table, self.track, frequency, beta, between)
 
     def response(self, wavenumber: np.ndarray, omega: np.ndarray, *, into_halo: bool = False) -> np.ndarray:
         """Interpolate the rail's response to any wavenumbers and frequencies.
@@ -432,95 +436,54 @@ class TransferFunction:
             first, last = table.nodes.panels(f, beta)
             if 2 * (last + 1 - first) < table.edge.size - 1:
                 table = table.part(first, last)
-            own = TransferFunction([table], self.track)
 
             def between(
                 rows: np.ndarray,
-                level: int,
                 table: TransferBlock = table,
                 f: np.ndarray = f,
                 beta: np.ndarray = beta,
             ) -> np.ndarray:
                 return interpolated(joined([table.rows(rows)]), f, beta)[:, None]
 
-            value[here] = loaded([own], table.block, f, beta[:, None], between)[0][:, 0]
+            value[here] = _loaded(table, self.track, f, beta[:, None], between)[:, 0]
         return value
 
 
-def together(functions: Sequence[TransferFunction], block: int, frequency: np.ndarray) -> np.ndarray:
-    """Interpolate receivers whose tables have the same nodes to other frequencies of a block.
-
-    Parameters
-    ----------
-    functions
-        The receivers' transfer functions.
-    block
-        Index of the block.
-    frequency
-        Hz, (n,), inside the block.
-
-    Returns
-    -------
-    ndarray of complex, shape (receivers, n, node)
-        m²/N. What the receivers share is computed once.
-    """
-
-    def between(rows: np.ndarray, level: int) -> np.ndarray:
-        return blocks.interpolated(block, level, frequency, rows)
-
-    beta = functions[0].blocks[block].nodes.wavenumber(frequency)
-    return loaded(functions, block, frequency, beta, between)
-
-
-def loaded(
-    functions: Sequence[TransferFunction],
-    block: int,
+def _loaded(
+    table: TransferBlock,
+    track: Track | None,
     frequency: np.ndarray,
     wavenumber: np.ndarray,
-    between: Callable[[np.ndarray, int], np.ndarray],
+    between: Callable[[np.ndarray], np.ndarray],
 ) -> np.ndarray:
-    """Return transfer functions at places to which `between` interpolates rows of a table.
+    """Return a transfer function at places to which `between` interpolates rows of its table.
 
     Parameters
     ----------
-    functions
-        Receivers whose tables of the block have the same nodes.
-    block
-        Index of the block.
+    table, track
+        The table, and the track to be put on it, as in `TransferFunction`.
     frequency, wavenumber
         The places: Hz, (n,), and rad/m, (n, m).
     between
-        Interpolates the rows of an array (frequency, node) of a table of some level to the places.
+        Interpolates the rows of an array (frequency, node) of the table to the places.
 
     Returns
     -------
-    ndarray of complex, shape (receivers, n, m)
+    ndarray of complex, shape (n, m)
         m²/N.
     """
-    values = np.empty((len(functions), *wavenumber.shape), complex)
-    shared: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
-    for value, function in zip(values, functions, strict=True):
-        table = function.blocks[block]
-        if function.track is None or table.compliance is None:
-            np.multiply(
-                between(table.reduced(function.track), table.level),
-                _phase(table, frequency, wavenumber),
-                out=value,
-            )
-            continue
-        if table.level not in shared:  # receivers of one level have the same compliance under the track
-            under = between(table.compliance, table.level)
-            omega = 2.0 * np.pi * frequency[:, None]
-            shared[table.level] = under, *track_response(function.track, wavenumber, omega, under)
-        under, rail, force = shared[table.level]
-        if table.receiver == "rail":
-            value[:] = rail
-        elif table.offset == 0.0:
-            np.multiply(force, under, out=value)
-        else:
-            np.multiply(force, between(table.reduced(function.track), table.level), out=value)
-            value *= _phase(table, frequency, wavenumber)
-    return values
+    if track is None or table.compliance is None:
+        return np.asarray(between(table.reduced(track)) * _phase(table, frequency, wavenumber))
+    under = between(table.compliance)
+    omega = 2.0 * np.pi * frequency[:, None]
+    rail, force = track_response(track, wavenumber, omega, under)
+    if table.receiver == "rail":
+        return rail
+    if table.offset == 0.0:
+        return np.asarray(force * under)
+    force *= between(table.reduced(track))
+    force *= _phase(table, frequency, wavenumber)
+    return force
 
 
 def _phase(table: TransferBlock, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
