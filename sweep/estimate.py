@@ -9,10 +9,10 @@ from typing import Any
 
 from railvib.errors import InputError
 from sweep import units, work
+from sweep.cache import CACHE_BYTES
 from sweep.kinds import Inputs, Unit
 from sweep.pilot import Rates
 from sweep.run import Request
-from sweep.task import CACHE_BYTES
 
 MARGIN = 1.15
 """On the memory that arrays take, for what lies between them."""

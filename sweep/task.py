@@ -6,37 +6,28 @@ failure.
 """
 
 import contextlib
-import dataclasses
 import os
 import resource
 import socket
 import time
 import traceback
 import warnings
-from collections import Counter, OrderedDict
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
-
-import numpy as np
+from typing import Any, Literal
 
 import railvib
 from railvib import cost
 from railvib.errors import PlausibilityWarning
 from sweep import records, space, store
+from sweep.cache import CACHE_BYTES, Cache
 from sweep.host import host_class
 from sweep.kinds import AccuracyWarning, Kind, Unit, registry
 
 NEGLIGIBLE_S = 2e-5
 """Time between a result's stages that is not worth a stage of its own."""
-CACHE_BYTES = 128 * 2**20
-"""What a worker keeps of the results that it has stored or read, for the tasks that follow."""
-UNMEASURED = 16
-"""Results that are held before all are measured anew, as what is derived from them grows."""
-ROOM = 0.9
-"""Share of the cache that is left in use when it is full."""
 
 
 @dataclass(frozen=True)
@@ -106,73 +97,6 @@ class Outcome:
 
 class WithdrawnError(Exception):
     """A stored result was found damaged; its record has been taken back."""
-
-
-class _Held(NamedTuple):
-    """A result, the names of its fields, and the arrays among them."""
-
-    result: Any
-    fields: Set[str]
-    arrays: list[np.ndarray]
-
-    def derived(self) -> list[np.ndarray]:
-        """Return the arrays that have been derived from the result since, and are kept with it."""
-        return _arrays({name: value for name, value in vars(self.result).items() if name not in self.fields})
-
-
-class Cache:
-    """The results used last, up to a number of bytes.
-
-    An array that some have in common counts once, and what has been derived from a result and is kept with it
-    counts as well: it is measured some results later.
-    """
-
-    def __init__(self, limit: int) -> None:
-        self._limit = limit
-        self._held = 0
-        self._unmeasured = 0
-        self._results: OrderedDict[tuple[str, str], _Held] = OrderedDict()
-
-    def get(self, key: tuple[str, str]) -> Any:
-        """Return a result, or None where it is not held."""
-        if key not in self._results:
-            return None
-        self._results.move_to_end(key)
-        return self._results[key].result
-
-    def put(self, key: tuple[str, str], result: Any) -> None:
-        """Hold a result, and let go of those not used for longest."""
-        if key in self._results:
-            return
-        fields = {field.name for field in dataclasses.fields(result)}
-        arrays = _arrays({name: value for name, value in vars(result).items() if name in fields})
-        self._results[key] = _Held(result, fields, arrays)
-        self._held += sum(array.nbytes for array in arrays)
-        self._unmeasured += 1
-        if self._held > self._limit or self._unmeasured >= UNMEASURED:
-            self._measure()
-
-    def clear(self) -> None:
-        """Let go of all."""
-        self._results.clear()
-        self._held = self._unmeasured = 0
-
-    def _measure(self) -> None:
-        """Find what is held, and let go of enough that the next measurement is some results away."""
-        arrays = {key: held.arrays + held.derived() for key, held in self._results.items()}
-        holders = Counter(id(array) for held in arrays.values() for array in held)
-        size = {id(array): array.nbytes for held in arrays.values() for array in held}
-        self._held, self._unmeasured = sum(size.values()), 0
-        if self._held <= self._limit:
-            return
-        for key, held in arrays.items():
-            if self._held <= ROOM * self._limit:
-                return
-            del self._results[key]
-            for array in held:
-                holders[id(array)] -= 1
-                if holders[id(array)] == 0:
-                    self._held -= size[id(array)]
 
 
 _cache = Cache(CACHE_BYTES)
@@ -425,15 +349,6 @@ def _share(
             }
         )
     return shares
-
-
-def _arrays(value: Any) -> list[np.ndarray]:
-    """Return the arrays in dictionaries and tuples."""
-    if isinstance(value, np.ndarray):
-        return [value]
-    if isinstance(value, dict):
-        return [array for each in value.values() for array in _arrays(each)]
-    return [array for each in value for array in _arrays(each)] if isinstance(value, tuple) else []
 
 
 def _now() -> str:

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from sweep.task import UNMEASURED, Cache
+from sweep.cache import UNMEASURED, Cache
 
 NUMBERS = 1000
 BYTES = 8 * NUMBERS
@@ -73,3 +73,28 @@ def test_a_result_beyond_the_limit_is_not_held_and_all_can_be_let_go(shared):
     assert held(cache, results) == list(results)
     cache.clear()
     assert held(cache, results) == []
+
+
+def test_what_was_derived_and_is_gone_counts_no_longer(shared):
+    cache = Cache(40 * BYTES)
+    results = filled(cache, 4, shared)
+    for result in results.values():
+        result.derived["squares"] = (1, np.zeros(3 * NUMBERS))
+    results |= filled(cache, UNMEASURED, shared, start=4)
+    for result in results.values():
+        result.derived.clear()
+    results |= filled(cache, UNMEASURED, shared, start=20)
+    assert held(cache, results) == list(results)
+
+
+def test_a_result_that_was_let_go_between_is_measured_when_it_is_used_again(shared):
+    cache = Cache(40 * BYTES)
+    filled(cache, 4, shared)
+    filled(cache, UNMEASURED, shared, start=4)
+    used = [cache.get(("home", str(n))) for n in range(4)]
+    for result in used:
+        result.derived["squares"] = (1, np.zeros(7 * NUMBERS))
+    del used, result
+    later = filled(cache, UNMEASURED, shared, start=20)
+    assert cache.get(("home", "4")) is None
+    assert held(cache, later) == list(later)

@@ -173,7 +173,7 @@ def test_damage_is_repaired_within_a_run(here):
             records.withdraw(out, kind, record["unit_id"])
     from sweep import task
 
-    task._cache = task.Cache(task.CACHE_BYTES)
+    task.forget()
     result = invoke("run", "small.toml", "--workers", 0)  # which, unlike resume, looks at what it uses only
     assert result.exit_code == 0, result.output
     again = records.find(out, "transfer", first["unit_id"])

@@ -1,0 +1,133 @@
+"""What a worker keeps at hand of results, within a number of bytes.
+
+Only what is in use is measured again and again: all else cannot grow.
+"""
+
+import dataclasses
+import sys
+from collections import Counter, OrderedDict
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import Any, NamedTuple
+
+import numpy as np
+
+CACHE_BYTES = 128 * 2**20
+"""What a worker keeps of the results that it has stored or read, for the tasks that follow."""
+UNMEASURED = 16
+"""Results that are held before those in use are measured anew, as what is derived from them grows."""
+ROOM = 0.9
+"""Share of the cache that is left in use when it is full."""
+
+
+class _Sized(NamedTuple):
+    """An array by its address, and its size."""
+
+    address: int
+    nbytes: int
+
+
+@dataclass
+class _Held:
+    """A result, its own arrays, and those that had been derived from it when it was measured last."""
+
+    result: Any
+    own: list[_Sized]
+    derived: list[_Sized] = field(default_factory=list)
+
+    def measure(self) -> list[_Sized]:
+        """Return the arrays derived from the result that are kept with it, behind its fields."""
+        kept = islice(vars(self.result).values(), len(dataclasses.fields(self.result)), None)
+        return _sized(tuple(kept))
+
+    def used_elsewhere(self) -> bool:
+        """Return whether somebody else has the result, and may derive more from it."""
+        return sys.getrefcount(self.result) > 2  # this one's, and the argument of the call
+
+
+class Cache:
+    """The results used last, up to a number of bytes.
+
+    An array that some have in common counts once, and what has been derived from a result and is kept with it
+    counts as well: it is measured some results later, and again as long as somebody uses the result.
+    """
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self._held = 0
+        self._unmeasured = 0
+        self._results: OrderedDict[tuple[str, str], _Held] = OrderedDict()
+        self._used: set[tuple[str, str]] = set()
+        # An array that was derived and is gone counts until its result is measured: what has taken its
+        # place in memory must not pass for it, unless it is as large.
+        self._holders: Counter[_Sized] = Counter()
+
+    def get(self, key: tuple[str, str]) -> Any:
+        """Return a result, or None where it is not held."""
+        held = self._results.get(key)
+        if held is None:
+            return None
+        self._results.move_to_end(key)
+        self._used.add(key)
+        return held.result
+
+    def put(self, key: tuple[str, str], result: Any) -> None:
+        """Hold a result, and let go of those not used for longest."""
+        if key in self._results:
+            return
+        own = _sized(tuple(islice(vars(result).values(), len(dataclasses.fields(result)))))
+        self._results[key] = _Held(result, own)
+        self._used.add(key)
+        self._take(own)
+        self._unmeasured += 1
+        if self._held > self._limit or self._unmeasured >= UNMEASURED:
+            self._measure()
+
+    def clear(self) -> None:
+        """Let go of all."""
+        self._results.clear()
+        self._used.clear()
+        self._holders.clear()
+        self._held = self._unmeasured = 0
+
+    def _measure(self) -> None:
+        """Find what has grown, and make so much room that it lasts for some results."""
+        self._unmeasured = 0
+        for key in list(self._used):
+            held = self._results[key]
+            self._release(held.derived)
+            held.derived = held.measure()
+            self._take(held.derived)
+            if not held.used_elsewhere():
+                self._used.remove(key)
+        if self._held <= self._limit:
+            return
+        while self._results and self._held > ROOM * self._limit:
+            key, held = self._results.popitem(last=False)
+            self._used.discard(key)
+            self._release(held.own)
+            self._release(held.derived)
+
+    def _take(self, arrays: Iterable[_Sized]) -> None:
+        """Count arrays that one more result holds."""
+        for array in arrays:
+            self._holders[array] += 1
+            if self._holders[array] == 1:
+                self._held += array.nbytes
+
+    def _release(self, arrays: Iterable[_Sized]) -> None:
+        """Count arrays that one result less holds."""
+        for array in arrays:
+            self._holders[array] -= 1
+            if self._holders[array] == 0:
+                del self._holders[array]
+                self._held -= array.nbytes
+
+
+def _sized(value: Any) -> list[_Sized]:
+    """Return the arrays in dictionaries and tuples."""
+    if isinstance(value, np.ndarray):
+        return [_Sized(id(value), value.nbytes)]
+    values = value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else ()
+    return [array for each in values for array in _sized(each)]
