@@ -13,14 +13,16 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
-from weakref import WeakValueDictionary, finalize
+from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sweep import location, records, zarr_form
+from sweep import compared, location, records, zarr_form
+from sweep.compared import checksum as checksum
+from sweep.group import DamagedError as DamagedError
+from sweep.group import Group, Recorded, metadata_digest
 
 if TYPE_CHECKING:
     import zarr
@@ -32,10 +34,6 @@ _DIGITS = 16
 _EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
 
 Result = TypeVar("Result")
-
-
-class DamagedError(Exception):
-    """A stored group is not what its record says: an array is missing, torn or altered."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,6 +48,8 @@ class Written:
         Per array its sha256, shape and dtype.
     metadata
         The sha256 of the group's attributes and of all that Zarr says of its arrays.
+    group_metadata
+        The sha256 of the group's own metadata, which repeat all of that: a reader needs no others.
     objects
         What it consists of.
     bytes_written
@@ -59,15 +59,20 @@ class Written:
     group: str
     arrays: dict[str, dict[str, Any]]
     metadata: str
+    group_metadata: str
     objects: Mapping[str, bytes | memoryview]
     bytes_written: int
+
+    def recorded(self) -> dict[str, Any]:
+        """Return what a record holds of it, to read it again and to compare it."""
+        return {name: getattr(self, name) for name in ("group", "arrays", "metadata", "group_metadata")}
 
 
 @dataclasses.dataclass(frozen=True)
 class _Stored:
     """What became of an array, and the key below which it lies."""
 
-    encoded: zarr_form.Encoded
+    objects: dict[str, bytes | memoryview]
     checksum: dict[str, Any]
     key: str
 
@@ -98,7 +103,7 @@ class Writer:
         """
         arrays, extra = _split(result)
         before = {each: self._stored.get((each, id(array))) for each, (array, _) in arrays.items()}
-        encoded: dict[str, zarr_form.Encoded] = {}
+        encoded: dict[str, dict[str, bytes | memoryview]] = {}
         checksums: dict[str, dict[str, Any]] = {}
         same: dict[str, str] = {}
         for each, (array, metadata) in arrays.items():
@@ -107,15 +112,13 @@ class Writer:
                 encoded[each] = zarr_form.encode_array(each, array, metadata, CHUNK_BYTES)
                 checksums[each] = checksum(array)
             else:
-                encoded[each], checksums[each] = known.encoded, known.checksum
-                same |= {f"{each}/{key}": f"{known.key}/{key}" for key in known.encoded.objects}
+                encoded[each], checksums[each] = known.objects, known.checksum
+                same |= {f"{each}/{key}": f"{known.key}/{key}" for key in known.objects}
         objects: dict[str, bytes | memoryview] = {
             zarr_form.METADATA: zarr_form.encode_group(encoded, {**attributes, **extra}),
-            **{
-                f"{each}/{key}": content for each in encoded for key, content in encoded[each].objects.items()
-            },
+            **{f"{each}/{key}": content for each in encoded for key, content in encoded[each].items()},
         }
-        said = _metadata(objects)
+        said = metadata_digest(objects)
         content = json.dumps([checksums, said], sort_keys=True)
         group = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
         place = location.at(self._home)
@@ -127,7 +130,8 @@ class Writer:
                 key = each, id(array)
                 self._stored[key] = _Stored(encoded[each], checksums[each], f"{STORE}/{group}/{each}")
                 finalize(array, self._stored.pop, key, None).atexit = False
-        return Written(group, checksums, said, objects, written)
+        own = hashlib.sha256(objects[zarr_form.METADATA]).hexdigest()
+        return Written(group, checksums, said, own, objects, written)
 
 
 def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
@@ -139,48 +143,40 @@ def read(
     home: records.Home,
     group: str,
     kind: type[Result],
-    arrays: Mapping[str, Mapping[str, Any]] | None = None,
+    arrays: Recorded | None = None,
     metadata: str | None = None,
+    group_metadata: str | None = None,
 ) -> Result:
-    """Read a group of the store at `home` back as the dataclass `kind`, verified as by `check`.
+    """Read a group of the store at `home` back as the dataclass `kind`, compared with what its record holds.
+
+    An array is compared with its sha256, or, if this process has written or compared it before, by the
+    checksums that its chunks had then; one that is in memory is not read again. Where the record has the
+    sha256 of the group's own metadata, these are enough, as they repeat those of its arrays.
 
     Raises
     ------
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    known = _known(arrays or {})
-    found, attributes = _load(home, group, arrays, metadata, known)
-    if arrays is not None:
-        _remember(found, arrays)
-    return _result(kind, found, attributes)
+    place, prefix = location.at(home), f"{STORE}/{group}"
+    known = compared.held(arrays or {})
+    if group_metadata is None:
+        found = Group.whole(place, prefix, group, metadata)
+    else:
+        found = Group.needed(place, prefix, group, group_metadata, known)
+    values = found.arrays() if arrays is None else found.verified(arrays, known)
+    return _result(kind, values, found.attributes)
 
 
 def restored(written: Written, kind: type[Result]) -> Result:
     """Return what was written as `read` does, from the same bytes, which are in memory still."""
-    found, attributes = zarr_form.decode(written.objects, _known(written.arrays))
-    _remember(found, written.arrays)
+    said, attributes = zarr_form.decode_group(written.objects[zarr_form.METADATA])
+    found = compared.held(written.arrays)
+    for name, recorded in written.arrays.items():
+        if name not in found:
+            found[name], chunks = zarr_form.decode_array(name, said[name], written.objects)
+            compared.remember(found[name], chunks, recorded)
     return _result(kind, found, attributes)
-
-
-_in_memory: "WeakValueDictionary[str, NDArray[Any]]" = WeakValueDictionary()
-"""Arrays that somebody holds, as they were read, by their checksums: tables have many in common."""
-
-
-def _known(arrays: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
-    """Return those of the arrays of a record that are in memory."""
-    held = {name: _in_memory.get(_sum(said)) for name, said in arrays.items()}
-    return {name: array for name, array in held.items() if array is not None}
-
-
-def _remember(found: Mapping[str, NDArray[Any]], arrays: Mapping[str, Mapping[str, Any]]) -> None:
-    for name, array in found.items():
-        _in_memory[_sum(arrays[name])] = array
-
-
-def _sum(said: Mapping[str, Any]) -> str:
-    """Return the checksum of a record's array with its form as one text."""
-    return f"{said['sha256']} {said['dtype']} {said['shape']}"
 
 
 def _result(kind: type[Result], found: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]) -> Result:
@@ -204,19 +200,23 @@ def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[An
     DamagedError
         If the group is missing or cannot be decoded.
     """
-    return _load(_home(directory, group), group)
+    found = _whole(directory, group)
+    return found.arrays(), found.attributes
 
 
 def check(directory: Path | str, record: Mapping[str, Any]) -> None:
-    """Read the group of a record, and compare it with the checksums that the record holds.
+    """Read the group of a record, and compare all of it with the sha256 that the record holds.
 
     Raises
     ------
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    group = record["group"]
-    _load(_home(directory, group), group, record["arrays"], record.get("metadata"))
+    _whole(directory, record["group"], record.get("metadata")).check(record["arrays"])
+
+
+def _whole(directory: Path | str, group: str, metadata: str | None = None) -> Group:
+    return Group.whole(location.at(_home(directory, group)), f"{STORE}/{group}", group, metadata)
 
 
 def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":
@@ -231,17 +231,6 @@ def _home(directory: Path | str, group: str) -> records.Home:
     """Return where a group of a run lies: with the run if it is there, else in the store outside."""
     here, *outside = records.homes(directory)
     return here if not outside or (Path(here) / STORE / group).is_dir() else outside[0]
-
-
-def checksum(array: NDArray[Any]) -> dict[str, Any]:
-    """Return sha256 of the raw bytes (C order, little endian), shape and dtype of an array."""
-    array = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)
-    raw = array.reshape(-1).view(np.uint8) if array.size else array.reshape(-1)
-    return {
-        "sha256": hashlib.sha256(raw.data).hexdigest(),
-        "shape": list(array.shape),
-        "dtype": array.dtype.name,
-    }
 
 
 def clean(home: records.Home, older_than_s: float = 0.0) -> None:
@@ -282,67 +271,6 @@ def _split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]
                 )
         arrays[_called(field, lambda name: getattr(result, name))] = (array, field.metadata)
     return arrays, attributes
-
-
-def _load(
-    home: records.Home,
-    group: str,
-    expected: Mapping[str, Mapping[str, Any]] | None = None,
-    metadata: str | None = None,
-    known: Mapping[str, NDArray[Any]] = MappingProxyType({}),
-) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Read a group through memory, and compare it with the checksums that its record expects.
-
-    Arrays that are known need not be read, as they were compared when they were.
-    """
-    place = location.at(home)
-    objects: Mapping[str, bytes | bytearray] = {}
-    if known and metadata is not None:
-        objects = _needed(place, f"{STORE}/{group}", known)
-    if not objects or _metadata(objects) != metadata:
-        objects = place.read_group(f"{STORE}/{group}")
-    if metadata is not None and _metadata(objects) != metadata:
-        raise DamagedError(f"{group}: is missing, or its metadata are not those recorded")
-    try:
-        found, attributes = zarr_form.decode(objects, known)
-    except (ValueError, KeyError, TypeError) as error:
-        raise DamagedError(f"{group}: {type(error).__name__}: {error}") from error
-    if expected is not None:
-        for name in expected.keys() | found.keys():
-            if name in known and name in found:
-                continue
-            if name not in found or name not in expected or checksum(found[name]) != dict(expected[name]):
-                raise DamagedError(f"{group}: the array {name} is not the one recorded")
-    return found, attributes
-
-
-def _needed(
-    place: location.Location, prefix: str, known: Mapping[str, NDArray[Any]]
-) -> Mapping[str, bytes | bytearray]:
-    """Return the objects of a group but for the chunks of known arrays; none if these cannot be told.
-
-    What is said of the arrays is taken from where the group repeats it.
-    """
-    try:
-        objects = dict(place.read_group(prefix, [zarr_form.METADATA]))
-        heads = zarr_form.heads(objects[zarr_form.METADATA])
-        keys: list[str] = []
-        for key, head in heads.items():
-            name = key.removesuffix(f"/{zarr_form.METADATA}")
-            keys += [] if name in known else zarr_form.chunk_keys(name, head)
-    except (ValueError, KeyError, TypeError):
-        return {}
-    return objects | heads | dict(place.read_group(prefix, keys))
-
-
-def _metadata(objects: Mapping[str, bytes | bytearray | memoryview]) -> str:
-    """Return the sha256 over the objects of a group that are no chunks, in order of their keys."""
-    digest = hashlib.sha256()
-    for key in sorted(objects):
-        if key.rpartition("/")[2] == zarr_form.METADATA:
-            digest.update(key.encode() + b"\0")
-            digest.update(objects[key])
-    return digest.hexdigest()
 
 
 def _plain(value: Any) -> Any:

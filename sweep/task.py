@@ -233,6 +233,7 @@ class Reader:
                     self._kinds[unit.kind].result,
                     record["arrays"],
                     record.get("metadata"),
+                    record.get("group_metadata"),
                 )
             except store.DamagedError as error:
                 for home in self._place.homes:
@@ -271,9 +272,7 @@ def _store(
     record = {
         **_head(unit, place, started),
         "status": "done",
-        "group": written.group,
-        "arrays": written.arrays,
-        "metadata": written.metadata,
+        **written.recorded(),
         "costs": [*costs, storing],
         "warnings": cautions,
     }

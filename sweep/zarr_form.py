@@ -11,7 +11,6 @@ this form to.
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import ceil, prod
 from typing import Any
 
@@ -27,17 +26,16 @@ _SEPARATOR = "."
 
 METADATA = "zarr.json"
 """Key of what is said of a group or of an array, below its own."""
+_REPEATED = b',"consolidated_metadata":{"kind":"inline","must_understand":false,"metadata":{%b}}'
 
 
-@dataclass(frozen=True)
-class Encoded:
-    """An array in the form of the store: what is said of it, and its objects by their keys below its own."""
-
-    said: Mapping[str, Any]
-    objects: Mapping[str, bytes | memoryview]
+Objects = Mapping[str, bytes | bytearray | memoryview]
+"""Of a group or an array, by their keys below its own."""
 
 
-def encode_array(name: str, array: NDArray[Any], metadata: Mapping[str, Any], chunk_bytes: int) -> Encoded:
+def encode_array(
+    name: str, array: NDArray[Any], metadata: Mapping[str, Any], chunk_bytes: int
+) -> dict[str, bytes | memoryview]:
     """Return the objects of an array.
 
     Parameters
@@ -53,10 +51,10 @@ def encode_array(name: str, array: NDArray[Any], metadata: Mapping[str, Any], ch
     for number, key in enumerate(_keys(array.shape, shape, _SEPARATOR)):
         rows = array[number * shape[0] : (number + 1) * shape[0]] if shape else array
         objects[key] = _chunk(rows, shape)
-    return Encoded(said, objects)
+    return objects
 
 
-def encode_group(arrays: Mapping[str, Encoded], attributes: Mapping[str, Any]) -> bytes:
+def encode_group(arrays: Mapping[str, Objects], attributes: Mapping[str, Any]) -> bytes:
     """Return the metadata of a group of arrays, with attributes that JSON can hold.
 
     Raises
@@ -64,59 +62,51 @@ def encode_group(arrays: Mapping[str, Encoded], attributes: Mapping[str, Any]) -
     TypeError, ValueError
         If an attribute cannot be stored.
     """
-    said = {name: array.said for name, array in arrays.items()}
-    return _json(
-        {
-            "zarr_format": 3,
-            "node_type": "group",
-            "attributes": dict(attributes),
-            # An extension of the format, for which xarray looks.
-            "consolidated_metadata": {"kind": "inline", "must_understand": False, "metadata": said},
-        }
-    )
+    group = {"zarr_format": 3, "node_type": "group", "attributes": dict(attributes)}
+    # What is said of the arrays is repeated, an extension of the format for which xarray looks.
+    repeated = b",".join(b"%b:%b" % (_json(name), bytes(array[METADATA])) for name, array in arrays.items())
+    return _json(group)[:-1] + _REPEATED % repeated + b"}"
 
 
-def heads(group: bytes | bytearray) -> dict[str, bytes]:
-    """Return the metadata of the arrays of a group by key, as they are repeated in those of the group.
+def decode_group(content: bytes | bytearray | memoryview) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what a group repeats of its arrays' metadata by their names, and its attributes.
 
     Raises
     ------
     ValueError, KeyError, TypeError
-        If they are not in the form of `encode_group`.
+        If it is not in the form of `encode_group`.
     """
-    said = json.loads(bytes(group))["consolidated_metadata"]["metadata"]
-    return {f"{name}/{METADATA}": _json(each) for name, each in said.items()}
+    group = json.loads(bytes(content))
+    return group["consolidated_metadata"]["metadata"], group["attributes"]
 
 
-def chunk_keys(name: str, head: bytes) -> list[str]:
-    """Return the keys of an array's chunks from its metadata."""
-    said = json.loads(head)
+def chunk_keys(name: str, said: Mapping[str, Any]) -> list[str]:
+    """Return the keys of an array's chunks below the group's from what is said of the array."""
     separator = said["chunk_key_encoding"]["configuration"]["separator"]
     shape = said["chunk_grid"]["configuration"]["chunk_shape"]
     return [f"{name}/{key}" for key in _keys(said["shape"], shape, separator)]
 
 
-def decode(
-    objects: Mapping[str, bytes | bytearray | memoryview], known: Mapping[str, NDArray[Any]]
-) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Return the arrays and the attributes of a group from its objects.
-
-    Parameters
-    ----------
-    objects
-        Of the group, by key.
-    known
-        Arrays that are at hand; their chunks are not needed.
+def decode_array(name: str, said: Mapping[str, Any], objects: Objects) -> tuple[NDArray[Any], bytes]:
+    """Return an array of a group, and the checksums of its chunks, which have been looked at.
 
     Raises
     ------
     ValueError, KeyError, TypeError
-        If an object is missing, torn, or not in the form that it is encoded in here.
+        If a chunk is missing, torn, or not in the form that it is encoded in here.
     """
-    group = json.loads(bytes(objects[METADATA]))
-    names = [key.removesuffix(f"/{METADATA}") for key in objects if key.endswith(f"/{METADATA}")]
-    arrays = {name: known[name] if name in known else _array(name, objects) for name in names}
-    return arrays, group["attributes"]
+    if said["codecs"] != _CODECS:
+        raise ValueError(f"{name}: is encoded in another way")
+    shape, dtype = tuple(said["shape"]), np.dtype(said["data_type"]).newbyteorder("<")
+    chunk_shape = said["chunk_grid"]["configuration"]["chunk_shape"]
+    if 0 in shape:
+        return np.empty(shape, dtype), b""
+    parts = [_verified(key, objects) for key in chunk_keys(name, said)]
+    content = parts[0][0] if len(parts) == 1 else np.concatenate([chunk for chunk, _ in parts])
+    array = np.frombuffer(content, dtype).reshape((-1, *chunk_shape[1:]) if shape else ())
+    # Arrays that cannot be written to are another type to compiled kernels.
+    array = (array[: shape[0]] if shape else array).astype(dtype.newbyteorder("="), copy=False)
+    return array if array.flags.writeable else array.copy(), b"".join(checksum for _, checksum in parts)
 
 
 def _array_metadata(
@@ -176,31 +166,13 @@ def _chunk(rows: NDArray[Any], shape: Sequence[int]) -> memoryview:
     return content.data
 
 
-def _array(name: str, objects: Mapping[str, bytes | bytearray | memoryview]) -> NDArray[Any]:
-    """Return one array from its chunks."""
-    said = json.loads(bytes(objects[f"{name}/{METADATA}"]))
-    if said["codecs"] != _CODECS:
-        raise ValueError(f"{name}: is encoded in another way")
-    shape, dtype = tuple(said["shape"]), np.dtype(said["data_type"]).newbyteorder("<")
-    chunk_shape = said["chunk_grid"]["configuration"]["chunk_shape"]
-    separator = said["chunk_key_encoding"]["configuration"]["separator"]
-    if 0 in shape:
-        return np.empty(shape, dtype)
-    parts = [_verified(f"{name}/{key}", objects) for key in _keys(shape, chunk_shape, separator)]
-    content = parts[0] if len(parts) == 1 else np.concatenate(parts)
-    array = np.frombuffer(content, dtype).reshape((-1, *chunk_shape[1:]) if shape else ())
-    # Arrays that cannot be written to are another type to compiled kernels.
-    array = (array[: shape[0]] if shape else array).astype(dtype.newbyteorder("="), copy=False)
-    return array if array.flags.writeable else array.copy()
-
-
-def _verified(key: str, objects: Mapping[str, bytes | bytearray | memoryview]) -> NDArray[np.uint8]:
-    """Return the bytes of a chunk without its checksum, after a look at that."""
+def _verified(key: str, objects: Objects) -> tuple[NDArray[np.uint8], bytes]:
+    """Return the bytes of a chunk and its checksum, after a look at that."""
     content = np.frombuffer(objects[key], np.uint8)
     chunk, stored = content[:-_CRC_BYTES], content[-_CRC_BYTES:].tobytes()
     if _crc(chunk) != stored:
         raise ValueError(f"{key}: is torn or altered")
-    return chunk
+    return chunk, stored
 
 
 def _crc(data: NDArray[np.uint8]) -> bytes:

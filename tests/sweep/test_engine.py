@@ -81,10 +81,7 @@ def test_of_a_result_that_came_second_nothing_is_held(tmp_path):
         def late(self, unit):
             patch.undo()  # the record that stands comes after this look
             records.withdraw(tmp_path, unit.kind, unit.id)
-            records.commit(
-                tmp_path,
-                {**record, "group": written.group, "arrays": written.arrays, "metadata": written.metadata},
-            )
+            records.commit(tmp_path, {**record, **written.recorded()})
 
         patch.setattr(Place, "find", late)
         assert task.execute("square", [unit], place).computed == 0

@@ -1,4 +1,5 @@
 import dataclasses
+import json
 import math
 import multiprocessing
 import os
@@ -11,7 +12,7 @@ import zarr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sweep import store, zarr_form
+from sweep import compared, store, zarr_form
 
 
 @dataclass(frozen=True)
@@ -189,7 +190,7 @@ def test_damage_is_found_against_the_record(tmp_path, spectrum, how):
 
 def test_altered_attributes_are_found_against_the_record(tmp_path, spectrum):
     written = write(tmp_path, spectrum)
-    record = {"group": written.group, "arrays": written.arrays, "metadata": written.metadata}
+    record = written.recorded()
     store.check(tmp_path, record)
     path = tmp_path / store.STORE / written.group / "zarr.json"
     path.write_text(path.read_text().replace('"level":2', '"level":3'))
@@ -306,6 +307,85 @@ def test_an_array_in_memory_is_not_read_again(tmp_path, spectrum):
     del found
     with pytest.raises(store.DamagedError, match="transfer"):
         read(tmp_path, written)
+
+
+def whole(home, written):
+    record = written.arrays, written.metadata, written.group_metadata
+    return store.read(home, written.group, Spectrum, *record)
+
+
+@pytest.mark.parametrize("how", ["flip", "truncate", "delete", "metadata", "replace"])
+def test_damage_is_found_also_where_the_array_was_read_before(tmp_path, spectrum, how):
+    written = write(tmp_path, spectrum)
+    assert_equal(whole(tmp_path, written), spectrum)
+    damage(tmp_path, written, how)
+    with pytest.raises(store.DamagedError, match="spectrum/1"):
+        whole(tmp_path, written)
+
+
+@pytest.fixture
+def hashed(monkeypatch):
+    """The arrays whose sha256 has been asked for, by their shapes."""
+    shapes = []
+    checksum = compared.checksum
+    monkeypatch.setattr(compared, "checksum", lambda array: shapes.append(array.shape) or checksum(array))
+    monkeypatch.setattr(compared, "_chunks", {})
+    return shapes
+
+
+def test_an_array_is_hashed_once_but_where_all_is_to_be_compared(tmp_path, spectrum, hashed):
+    written = write(tmp_path, spectrum)
+    for _ in range(2):
+        assert_equal(whole(tmp_path, written), spectrum)
+    assert sorted(hashed) == [(), (3,), (3,), (3, 5)]
+    store.check(tmp_path, written.recorded())
+    assert sorted(hashed) == sorted(2 * [(), (3,), (3,), (3, 5)])
+
+
+def test_what_this_process_has_written_and_restored_is_not_hashed(tmp_path, spectrum, hashed):
+    written = write(tmp_path, spectrum)
+    store.restored(written, Spectrum)
+    assert_equal(whole(tmp_path, written), spectrum)
+    assert hashed == []
+
+
+def test_the_arrays_remembered_are_limited(tmp_path, spectrum, hashed, monkeypatch):
+    monkeypatch.setattr(compared, "REMEMBERED", 2)
+    written = write(tmp_path, spectrum)
+    for _ in range(2):
+        assert_equal(whole(tmp_path, written), spectrum)
+    assert len(hashed) == 8
+
+
+@pytest.mark.parametrize(("entry", "other"), [("shape", [5, 3]), ("dtype", "float64"), ("sha256", "0" * 64)])
+def test_another_record_of_an_array_that_was_read_is_told_apart(tmp_path, spectrum, entry, other):
+    written = write(tmp_path, spectrum)
+    whole(tmp_path, written)
+    arrays = {**written.arrays, "transfer": {**written.arrays["transfer"], entry: other}}
+    with pytest.raises(store.DamagedError, match="transfer is not the one recorded"):
+        whole(tmp_path, dataclasses.replace(written, arrays=arrays))
+
+
+def test_arrays_that_the_record_lacks_or_has_beside_are_damage(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    fewer = {name: each for name, each in written.arrays.items() if name != "count"}
+    for arrays in (fewer, {**written.arrays, "other": written.arrays["count"]}):
+        with pytest.raises(store.DamagedError, match="array (count|other)"):
+            whole(tmp_path, dataclasses.replace(written, arrays=arrays))
+        with pytest.raises(store.DamagedError, match="array (count|other)"):
+            store.check(tmp_path, {**written.recorded(), "arrays": arrays})
+
+
+def test_a_group_repeats_what_its_arrays_say_and_that_is_what_is_read(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    group = tmp_path / store.STORE / written.group
+    repeated = json.loads((group / "zarr.json").read_text())["consolidated_metadata"]["metadata"]
+    assert repeated == {name: json.loads((group / name / "zarr.json").read_text()) for name in repeated}
+    assert repeated.keys() == written.arrays.keys()
+    (group / "transfer" / "zarr.json").write_text("{")
+    assert_equal(whole(tmp_path, written), spectrum)
+    with pytest.raises(store.DamagedError, match="metadata"):
+        store.check(tmp_path, written.recorded())
 
 
 def test_the_same_result_again_changes_no_file(tmp_path, spectrum):
