@@ -1,8 +1,10 @@
 """How much interpolation between the frequencies of tables misses, against direct values half-way.
 
 Receivers of one class have the same nodes, and so all but their own values in common. Which wave's phase is
-best taken out before interpolating is found by trying: first at the highest place, where most waves lie
-between track and receiver, and elsewhere only those that pass there.
+best taken out before interpolating differs between panels, as fast waves do not reach far beyond their own
+wavenumber, and between those that do lies what is slowest to turn: slownesses all over the range are tried
+on every panel, first at the highest place, where most waves lie between track and receiver, and elsewhere
+only those that pass there.
 """
 
 from collections.abc import Sequence
@@ -12,11 +14,16 @@ import numpy as np
 
 from railvib import blocks
 from railvib.blocks import STENCIL
+from railvib.panels import ORDER
 from railvib.track import Track, track_response
-from railvib.transfer import Nodes, Receiver, undamped
+from railvib.transfer import TOP, Nodes, Receiver, undamped
 
-_GOOD = 1e-2
+_GOOD = 0.1
 """Share of the tolerance at which no better wave is looked for."""
+_TRIED = 12
+"""Slownesses that are tried."""
+_SLOWEST = 1.1
+"""The largest of them, over that of the slowest body wave: a surface wave is slower."""
 _NOTHING = 1e-8
 """Share of the peak below which errors do not count."""
 
@@ -55,6 +62,7 @@ class Halfway:
         f = blocks.frequency(level, self.row)
         self._row_omega = 2.0 * np.pi * f
         self._row_beta = nodes.wavenumber(f)
+        self._slownesses = np.linspace(0.0, _SLOWEST / TOP * nodes.top_slowness, _TRIED)
         self._inverse = np.ones(self._row_beta.shape, complex)
         self._force = np.ones(self._beta.shape, complex)
 
@@ -69,17 +77,16 @@ class Halfway:
         self._rail, self._force = track_response(self.track, self._beta, self._omega[:, None], between)
         self._centre = self._force * between
 
-    def reference(
+    def references(
         self,
         receiver: Receiver,
         distance: float,
         rows: Sequence[np.ndarray],
         places: Sequence[np.ndarray],
-        slownesses: Sequence[float],
         tolerance: float,
         must: bool,
-    ) -> tuple[float, float] | None:
-        """Return the slowness of the wave to be taken out, s/m, and the largest relative error with it.
+    ) -> tuple[np.ndarray, float] | None:
+        """Return the slowness of the wave to be taken out of each panel, s/m, and the largest error.
 
         Parameters
         ----------
@@ -87,14 +94,13 @@ class Halfway:
             The receiver, and the distance that waves travel to it, m.
         rows, places
             Its transfer function at the rows and at the places.
-        slownesses
-            Of the waves to be tried.
         tolerance
             Error that is asked for.
         must
-            Whether there must be an answer; else it is None where no wave brings the error down to that.
+            Whether there must be an answer; else it is None where no waves bring the error down to that.
         """
         direct = np.array(places)
+        panels = direct.shape[1] // ORDER
         # The peak is the field's: under the track for the ground, however far the receiver.
         under = direct if receiver == "rail" else self._under
         size = np.maximum(np.abs(direct), _NOTHING * np.abs(under).max(axis=1, keepdims=True))
@@ -102,19 +108,27 @@ class Halfway:
             # No wave has a way to go, and the track is put on exactly.
             found = self._rail if receiver == "rail" else self._centre
             error = float((np.abs(found - direct) / size).max())
-            return (0.0, error) if must or error <= tolerance else None
-        tried = np.asarray(slownesses)
-        highest = self._errors(slice(-1, None), rows, direct, size, tried, distance)
-        best: tuple[float, float] | None = None
-        for each in np.argsort(highest, kind="stable"):
-            most = best[1] if best else np.inf if must else tolerance
-            if highest[each] > most or (best and best[1] <= _GOOD * tolerance):
+            return (np.zeros(panels), error) if must or error <= tolerance else None
+        tried = self._slownesses if distance > 0.0 else np.zeros(1)
+        everywhere = tried[:, None].repeat(panels, axis=1)
+        highest = self._errors(slice(-1, None), rows, direct, size, everywhere, distance)
+        if not must and highest.min(axis=0).max() > tolerance:
+            return None
+        best, error = np.zeros(panels), np.full(panels, np.inf)
+        while True:
+            candidate = highest.argmin(axis=0)
+            own = highest[candidate, np.arange(panels)]
+            better = (own < error) & (error > _GOOD * tolerance)
+            if not better.any():
                 break
-            others = self._errors(slice(0, -1), rows, direct, size, tried[each : each + 1], distance)
-            error = max(float(highest[each]), float(others[0]))
-            if error < most or (best is None and error <= most):
-                best = float(tried[each]), error
-        return best
+            slowness = np.where(better, tried[candidate], best)
+            (others,) = self._errors(slice(0, -1), rows, direct, size, slowness[None, :], distance)
+            most = np.maximum(own, others)
+            highest[candidate[better], np.flatnonzero(better)] = np.inf
+            better &= most < error
+            best, error = np.where(better, slowness, best), np.where(better, most, error)
+        worst = float(error.max())
+        return (best, worst) if must or worst <= tolerance else None
 
     def _errors(
         self,
@@ -125,7 +139,10 @@ class Halfway:
         slownesses: np.ndarray,
         distance: float,
     ) -> np.ndarray:
-        """Return the largest relative error at some of the places with each of some waves taken out."""
+        """Return the largest relative errors at some of the places with waves taken out, (sets, panels).
+
+        `slownesses` are sets of those of the panels' waves, of the same shape.
+        """
         first = self._first[which]
         own = slice(first[0], first[-1] + STENCIL)
         value = np.array(rows[own]) * self._inverse[own]
@@ -141,7 +158,7 @@ class Halfway:
                 self._force[which].view(float),
                 direct[which].view(float),
                 size[which],
-                slownesses,
+                slownesses.repeat(ORDER, axis=1),
                 distance,
             )
         )
@@ -151,38 +168,38 @@ class Halfway:
 def _largest_errors(
     value, row_beta, row_omega, first, weight, beta, omega, force, direct, size, slowness, distance
 ):
-    """Return the largest relative error at some places with each wave taken out before interpolating.
+    """Return the largest relative error of each panel at some places with waves taken out, (sets, panels).
 
-    `value`, (rows, 2·nodes), is interpolated without the wave's decay, and multiplied by that at the places
+    `value`, (rows, 2·nodes), is interpolated without the waves' decay, and multiplied by that at the places
     and by `force`; complex numbers are real and imaginary parts in turn.
     """
     nodes = beta.shape[1]
-    out = np.empty(slowness.shape[0])
+    out = np.empty((slowness.shape[0], nodes // ORDER))
     term = np.empty((2, nodes))
     total = np.empty((2, nodes))
     for c in range(slowness.shape[0]):
-        way = distance if slowness[c] > 0.0 else 0.0
-        worst = 0.0
+        for p in range(out.shape[1]):
+            out[c, p] = 0.0
         for i in range(first.shape[0]):
             for j in range(nodes):
                 total[0, j] = 0.0
                 total[1, j] = 0.0
             for m in range(STENCIL):
                 row = first[i] + m
-                undamped(slowness[c] * row_omega[row], row_beta[row], way, -1.0, term)
+                undamped(row_omega[row], slowness[c], row_beta[row], distance, -1.0, term[0], term[1])
                 for j in range(nodes):
                     a = weight[i, m] * value[row, 2 * j]
                     b = weight[i, m] * value[row, 2 * j + 1]
                     total[0, j] += a * term[0, j] - b * term[1, j]
                     total[1, j] += a * term[1, j] + b * term[0, j]
-            undamped(slowness[c] * omega[i], beta[i], way, 1.0, term)
+            undamped(omega[i], slowness[c], beta[i], distance, 1.0, term[0], term[1])
             for j in range(nodes):
                 a = total[0, j] * term[0, j] - total[1, j] * term[1, j]
                 b = total[0, j] * term[1, j] + total[1, j] * term[0, j]
                 real = a * force[i, 2 * j] - b * force[i, 2 * j + 1] - direct[i, 2 * j]
                 imag = a * force[i, 2 * j + 1] + b * force[i, 2 * j] - direct[i, 2 * j + 1]
                 term[0, j] = (real * real + imag * imag) / (size[i, j] * size[i, j])
-            for j in range(nodes):
-                worst = max(worst, term[0, j])
-        out[c] = np.sqrt(worst)
-    return out
+            for p in range(out.shape[1]):
+                for j in range(ORDER * p, ORDER * (p + 1)):
+                    out[c, p] = max(out[c, p], term[0, j])
+    return np.sqrt(out)

@@ -159,8 +159,9 @@ def _evaluated(
         weight,
         _floats(table.reduced(track)),
         edge,
-        omega * table.reference_slowness,
-        table.distance if table.reference_slowness > 0.0 else 0.0,
+        omega,
+        table.node_slowness,
+        table.distance,
         table.last(frequency),
         value,
     )
@@ -210,8 +211,8 @@ def _on_track(first, weight, compliance, edge, omega, bed, support, pad, rail):
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _times_squares(first, weight, reduced, edge, k, distance, last, out):
-    """Multiply by |interpolated rows|² e^{−2κ·distance}, κ² = β² − k², on panels that begin below `last`."""
+def _times_squares(first, weight, reduced, edge, omega, slowness, distance, last, out):
+    """Multiply by |interpolated rows|² e^{−2κ·distance}, κ² = β² − (ω·slowness)², on panels below `last`."""
     row = np.empty(2 * out.shape[1])
     beta = np.empty(out.shape[1])
     for i in range(out.shape[0]):
@@ -219,7 +220,8 @@ def _times_squares(first, weight, reduced, edge, k, distance, last, out):
         combine(first[i], weight[i], reduced, row[: 2 * end])
         for j in range(end):
             square = row[2 * j] * row[2 * j] + row[2 * j + 1] * row[2 * j + 1]
-            kappa = np.sqrt(max(beta[j] * beta[j] - k[i] * k[i], 0.0))
+            k = omega[i] * slowness[j]
+            kappa = np.sqrt(max(beta[j] * beta[j] - k * k, 0.0))
             out[i, j] *= square * exp(-2.0 * min(kappa * distance, MOST_DECAY))
         for j in range(end, out.shape[1]):
             out[i, j] = 0.0

@@ -309,7 +309,6 @@ def _tables(
 ) -> Iterator[dict[Receiver, TransferBlock]]:
     """Tabulate receivers, each at the first level that passes its check, or one beyond it; some at a time."""
     fits, tolerance = samples.fits, samples.tolerance
-    slownesses = _reference_slownesses(fits)
     beyond = int(np.log2(refinement))
     passed: dict[Receiver, int] = {}
     pending = receivers
@@ -323,12 +322,11 @@ def _tables(
         waiting = []
         for receiver in pending:
             distance = 0.0 if receiver == "rail" else max(float(receiver) - samples.track.half_width, 0.0)
-            found = halfway.reference(
+            found = halfway.references(
                 receiver,
                 distance,
                 samples.at(level, halfway.row, receiver),
                 samples.at(level + 1, halfway.place, receiver),
-                slownesses if distance > 0.0 else [0.0],
                 tolerance,
                 must=receiver in passed or level >= MOST_LEVELS,
             )
@@ -369,23 +367,6 @@ def _rational_form(fits: GroundFits, level: int, ks: np.ndarray) -> dict[str, np
         "constant": np.array([each.constant for each in made]),
         "fit_error": np.array([each.error for each in made]),
     }
-
-
-def _reference_slownesses(fits: GroundFits) -> list[float]:
-    """Return slownesses of waves whose phase might be taken out, s/m: none, body waves, surface waves."""
-    ground = fits.ground
-    k = int(blocks.indices(fits.block, 0)[blocks.HALO + blocks.STEPS // 2])
-    omega = 2.0 * np.pi * float(blocks.frequency(0, k))
-    wave = np.sqrt(fits.at(0, k).pole)
-    loss = max(max(layer.loss_factor for layer in ground.layers), 1e-3)
-    surface = (
-        wave[
-            (wave.real < 1.2 * omega / ground.slowest_speed) & (np.abs(wave.imag) <= 0.6 * loss * wave.real)
-        ].real
-        / omega
-    )
-    ends = [surface.min(), surface.max()] if surface.size else []
-    return sorted({0.0, *(1.0 / speed for speed in ground.wave_speeds()), *ends})
 
 
 def _compliance_error(fits: GroundFits, track: Track, reach: float, tolerance: float) -> float:

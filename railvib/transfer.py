@@ -22,7 +22,8 @@ import numba
 import numpy as np
 
 from railvib import blocks
-from railvib.panels import ORDER, nodes_between
+from railvib.blocks import STENCIL
+from railvib.panels import NODE, ORDER, count_below, nodes_between, panel_weights
 from railvib.scattered import Rows, Tables, interpolated, joined
 from railvib.track import Track, track_response
 from railvib.vector_math import cos_sin, exp
@@ -94,6 +95,13 @@ class TransferBlock:
     edge: np.ndarray = field(
         metadata={"dims": ("edge",), "unit": "1", "description": "panel edges in the coordinate u"}
     )
+    reference_slowness: np.ndarray = field(
+        metadata={
+            "dims": ("panel",),
+            "unit": "s/m",
+            "description": "slowness of the undamped wave that is taken out of a panel before interpolating",
+        }
+    )
     receiver: str
     """``"rail"`` or ``"ground"``; the transfer function is stored under this name."""
     offset: float
@@ -107,8 +115,6 @@ class TransferBlock:
     """Wavenumber at u = 2, rad/m."""
     distance: float
     """Distance that waves travel from the track's edge, m; 0 on the rail and under the track."""
-    reference_slowness: float
-    """Slowness of the undamped wave whose phase is taken out before interpolating, s/m; 0 for none."""
     interpolation_error: float
     """Largest relative error of interpolation between the frequencies, where it was checked."""
     compliance_error: float
@@ -124,7 +130,7 @@ class TransferBlock:
         return {}
 
     def reduced(self, track: Track | None) -> np.ndarray:
-        """Return what is interpolated: the receiver's compliance without the reference wave's decay.
+        """Return what is interpolated: the receiver's compliance without the reference waves' decay.
 
         Without the track, or where the table holds no compliance, the transfer function without it. It is
         kept with the table, which many cases share.
@@ -134,9 +140,10 @@ class TransferBlock:
                 _reduced(
                     np.ascontiguousarray(self.transfer).view(float),
                     _inverse_force(self, track).view(float),
-                    2.0 * np.pi * self.reference_slowness * self.frequency,
+                    2.0 * np.pi * self.frequency,
+                    self.node_slowness,
                     np.ascontiguousarray(self.wavenumber),
-                    self.distance if self.reference_slowness > 0.0 else 0.0,
+                    self.distance,
                 )
             ).view(complex)
         return self._reduced[track]
@@ -144,6 +151,11 @@ class TransferBlock:
     def forget_reduced(self) -> None:
         """Let go of what is interpolated: it takes as much memory as the table, and is quickly made again."""
         self._reduced.clear()
+
+    @property
+    def node_slowness(self) -> np.ndarray:
+        """The slowness of the wave that is taken out at every node, s/m."""
+        return np.repeat(self.reference_slowness, ORDER)
 
     @cached_property
     def kept(self) -> dict[Any, Any]:
@@ -159,6 +171,7 @@ class TransferBlock:
             transfer=self.transfer[:, nodes],
             compliance=None if self.compliance is None else self.compliance[:, nodes],
             edge=self.edge[first : last + 2],
+            reference_slowness=self.reference_slowness[first : last + 1],
         )
 
     def last(self, frequency: np.ndarray) -> np.ndarray:
@@ -234,36 +247,13 @@ class Nodes:
         return nodes_between(self.panel_edges(frequency))
 
 
-def decay(frequency: np.ndarray, wavenumber: np.ndarray, distance: float, slowness: float) -> np.ndarray:
-    """Return e^{−κ·distance} of an undamped wave, κ² = β² − (ω·slowness)², cut where nothing is left.
-
-    Frequencies are (n,) in Hz, wavenumbers (n, m) in rad/m, ascending in each row.
-    """
-    if distance <= 0.0 or slowness <= 0.0:
-        return np.ones(wavenumber.shape, complex)
-    return np.asarray(_decay(2.0 * np.pi * slowness * frequency, wavenumber, distance)).view(complex)
-
-
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _decay(k, beta, distance):
-    """Return real and imaginary parts in turn, (n, 2·m)."""
-    out = np.empty((beta.shape[0], 2 * beta.shape[1]))
-    wave = np.empty((2, beta.shape[1]))
-    for i in range(beta.shape[0]):
-        undamped(k[i], beta[i], distance, 1.0, wave)
-        for j in range(beta.shape[1]):
-            out[i, 2 * j] = wave[0, j]
-            out[i, 2 * j + 1] = wave[1, j]
-    return out
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _reduced(transfer, inverse, k, beta, distance):
-    """Return transfer · inverse over the wave's decay, real and imaginary parts in turn, (n, 2·m)."""
+def _reduced(transfer, inverse, omega, slowness, beta, distance):
+    """Return transfer · inverse over the waves' decay, real and imaginary parts in turn, (n, 2·m)."""
     out = np.empty(transfer.shape)
     wave = np.empty((2, beta.shape[1]))
     for i in range(beta.shape[0]):
-        undamped(k[i], beta[i], distance, -1.0, wave)
+        undamped(omega[i], slowness, beta[i], distance, -1.0, wave[0], wave[1])
         for j in range(beta.shape[1]):
             a = transfer[i, 2 * j] * inverse[i, 2 * j] - transfer[i, 2 * j + 1] * inverse[i, 2 * j + 1]
             b = transfer[i, 2 * j] * inverse[i, 2 * j + 1] + transfer[i, 2 * j + 1] * inverse[i, 2 * j]
@@ -273,23 +263,85 @@ def _reduced(transfer, inverse, k, beta, distance):
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def undamped(k, beta, distance, sign, out):
-    """Write e^{∓κ·distance}, κ² = β² − k², for ascending β: real parts first, then imaginary parts."""
-    travelling = 0
-    while travelling < beta.shape[0] and beta[travelling] < k:
-        travelling += 1
-    for j in range(travelling):
-        c, s = cos_sin(np.sqrt(abs(k * k - beta[j] * beta[j])) * distance)
-        out[0, j] = c
-        out[1, j] = -sign * s
-    # From 0 in views of their own: so the compiler makes vector code of it.
-    beyond = beta[travelling:]
-    real = out[0, travelling:]
-    imag = out[1, travelling:]
-    for j in range(beyond.shape[0]):
-        size = np.sqrt(abs(beyond[j] * beyond[j] - k * k)) * distance
-        real[j] = exp(-sign * min(size, MOST_DECAY))
-        imag[j] = 0.0
+def _times_waves(value, omega, slowness, beta, distance):
+    """Multiply by the waves' decay; `value` has real and imaginary parts in turn, (n, 2·m)."""
+    wave = np.empty((2, beta.shape[1]))
+    for i in range(beta.shape[0]):
+        undamped(omega[i], slowness, beta[i], distance, 1.0, wave[0], wave[1])
+        for j in range(beta.shape[1]):
+            a = value[i, 2 * j]
+            b = value[i, 2 * j + 1]
+            value[i, 2 * j] = a * wave[0, j] - b * wave[1, j]
+            value[i, 2 * j + 1] = a * wave[1, j] + b * wave[0, j]
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _carried(first, weight, reduced, edge, omega, slowness, beta, distance):
+    """Return what reduced rows give with the waves' decay at points, real and imaginary part, (n, 2).
+
+    The decay is put back at the nodes of a point's panel: what the panels resolve is the whole function,
+    while a wave's own decay has a root in it where β is its wavenumber. From one end of a panel to the other
+    a field may fall by many orders, and is interpolated without an exponential that falls by as many.
+    """
+    out = np.empty((beta.shape[0], 2))
+    node = np.empty(ORDER)
+    row = np.empty(2 * ORDER)
+    wave = np.empty((2, ORDER))
+    basis = np.empty((ORDER, 1))
+    x = np.empty((2, 1))
+    for i in range(beta.shape[0]):
+        p = min(max(count_below(edge[i], beta[i]) - 1, 0), edge.shape[1] - 2)
+        middle = 0.5 * (edge[i, p + 1] + edge[i, p])
+        half = 0.5 * (edge[i, p + 1] - edge[i, p])
+        for j in range(ORDER):
+            node[j] = middle + half * NODE[j]
+            row[2 * j] = 0.0
+            row[2 * j + 1] = 0.0
+        for m in range(STENCIL):
+            for j in range(2 * ORDER):
+                row[j] += weight[i, m] * reduced[first[i] + m, 2 * ORDER * p + j]
+        own = slowness[ORDER * p : ORDER * (p + 1)]
+        undamped(omega[i], own, node, distance, 1.0, wave[0], wave[1])
+        k = omega[i] * own[0]
+        fall = np.sqrt(max(edge[i, p + 1] ** 2 - k * k, 0.0)) - np.sqrt(max(edge[i, p] ** 2 - k * k, 0.0))
+        slope = min(fall * distance, MOST_DECAY) / (2.0 * half)
+        x[0, 0] = (beta[i] - middle) / half
+        panel_weights(1, x[0], basis, x[1])
+        out[i, 0] = 0.0
+        out[i, 1] = 0.0
+        for j in range(ORDER):
+            basis[j, 0] *= exp(slope * (node[j] - beta[i]))
+            out[i, 0] += basis[j, 0] * (row[2 * j] * wave[0, j] - row[2 * j + 1] * wave[1, j])
+            out[i, 1] += basis[j, 0] * (row[2 * j] * wave[1, j] + row[2 * j + 1] * wave[0, j])
+    return out
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def undamped(omega, slowness, beta, distance, sign, real, imag):
+    """Write e^{∓κ·distance}, κ² = β² − (ω·slowness)², cut where nothing is left; one slowness per β."""
+    start = 0
+    while start < beta.shape[0]:
+        travels = beta[start] < omega * slowness[start]
+        end = start + 1
+        while end < beta.shape[0] and (beta[end] < omega * slowness[end]) == travels:
+            end += 1
+        # From 0 in views of their own: so the compiler makes vector code of it.
+        b = beta[start:end]
+        s = slowness[start:end]
+        re = real[start:end]
+        im = imag[start:end]
+        if travels:
+            for j in range(b.shape[0]):
+                k = omega * s[j]
+                c, t = cos_sin(np.sqrt(abs(k * k - b[j] * b[j])) * distance)
+                re[j] = c
+                im[j] = -sign * t
+        else:
+            for j in range(b.shape[0]):
+                k = omega * s[j]
+                re[j] = exp(-sign * min(np.sqrt(abs(b[j] * b[j] - k * k)) * distance, MOST_DECAY))
+                im[j] = 0.0
+        start = end
 
 
 _inverse_forces: dict[tuple[int, Track], np.ndarray] = {}
@@ -366,7 +418,13 @@ class TransferFunction:
         def between(rows: np.ndarray) -> np.ndarray:
             return blocks.interpolated(block, table.level, frequency, rows)
 
-        return beta, _loaded(table, self.track, frequency, beta, between)
+        def carried(rows: np.ndarray) -> np.ndarray:
+            value = between(rows)
+            omega = 2.0 * np.pi * frequency
+            _times_waves(value.view(float), omega, table.node_slowness, beta, table.distance)
+            return value
+
+        return beta, _loaded(table, self.track, frequency, beta, between, carried)
 
     def response(self, wavenumber: np.ndarray, omega: np.ndarray, *, into_halo: bool = False) -> np.ndarray:
         """Interpolate the rail's response to any wavenumbers and frequencies.
@@ -437,16 +495,31 @@ class TransferFunction:
             if 2 * (last + 1 - first) < table.edge.size - 1:
                 table = table.part(first, last)
 
-            def between(
-                rows: np.ndarray,
-                table: TransferBlock = table,
-                f: np.ndarray = f,
-                beta: np.ndarray = beta,
-            ) -> np.ndarray:
-                return interpolated(joined([table.rows(rows)]), f, beta)[:, None]
-
-            value[here] = _loaded(table, self.track, f, beta[:, None], between)[:, 0]
+            value[here] = _at_points(table, self.track, f, beta)
         return value
+
+
+def _at_points(
+    table: TransferBlock, track: Track | None, frequency: np.ndarray, wavenumber: np.ndarray
+) -> np.ndarray:
+    """Return a transfer function at pairs of frequency and wavenumber inside its table, (n,)."""
+
+    def between(rows: np.ndarray) -> np.ndarray:
+        return interpolated(joined([table.rows(rows)]), frequency, wavenumber)[:, None]
+
+    def carried(rows: np.ndarray) -> np.ndarray:
+        value = _carried(
+            *blocks.stencils(table.block, table.level, frequency),
+            rows.view(float),
+            table.nodes.panel_edges(frequency),
+            2.0 * np.pi * frequency,
+            table.node_slowness,
+            wavenumber,
+            table.distance,
+        )
+        return np.asarray(value).view(complex)
+
+    return _loaded(table, track, frequency, wavenumber[:, None], between, carried)[:, 0]
 
 
 def _loaded(
@@ -455,8 +528,9 @@ def _loaded(
     frequency: np.ndarray,
     wavenumber: np.ndarray,
     between: Callable[[np.ndarray], np.ndarray],
+    carried: Callable[[np.ndarray], np.ndarray],
 ) -> np.ndarray:
-    """Return a transfer function at places to which `between` interpolates rows of its table.
+    """Return a transfer function at places to which rows of its table are interpolated.
 
     Parameters
     ----------
@@ -466,6 +540,8 @@ def _loaded(
         The places: Hz, (n,), and rad/m, (n, m).
     between
         Interpolates the rows of an array (frequency, node) of the table to the places.
+    carried
+        The same with the reference waves' decay put back.
 
     Returns
     -------
@@ -473,7 +549,7 @@ def _loaded(
         m²/N.
     """
     if track is None or table.compliance is None:
-        return np.asarray(between(table.reduced(track)) * _phase(table, frequency, wavenumber))
+        return carried(table.reduced(track))
     under = between(table.compliance)
     omega = 2.0 * np.pi * frequency[:, None]
     rail, force = track_response(track, wavenumber, omega, under)
@@ -481,10 +557,5 @@ def _loaded(
         return rail
     if table.offset == 0.0:
         return np.asarray(force * under)
-    force *= between(table.reduced(track))
-    force *= _phase(table, frequency, wavenumber)
+    force *= carried(table.reduced(track))
     return force
-
-
-def _phase(table: TransferBlock, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
-    return decay(frequency, wavenumber, table.distance, table.reference_slowness)
