@@ -46,7 +46,6 @@ def passage_spectra(
     train_length: float,
     speed: float,
     frequency: np.ndarray,
-    tolerance: float = 1e-4,
 ) -> dict[Receiver, np.ndarray]:
     """Return PSDs of displacement at fixed points, averaged over the passage (Eq. 29 over T).
 
@@ -62,8 +61,6 @@ def passage_spectra(
         m/s.
     frequency
         Receiving frequencies, Hz, (n,).
-    tolerance
-        Relative error allowed in the squares of the transfer functions.
 
     Returns
     -------
@@ -83,7 +80,7 @@ def passage_spectra(
                 for members, block, own in same_nodes(functions, frequency[here]):
                     f = frequency[here[own]]
                     edge = functions[members[0]].blocks[block].nodes.panel_edges(f)
-                    value = squared([functions[each] for each in members], block, f, tolerance)
+                    value = squared([functions[each] for each in members], block, f)
                     value = value.reshape(*value.shape[:2], -1, ORDER)
                     needed = _needed(edge, value)
                     moment = np.zeros((*needed.shape[1:], ORDER))

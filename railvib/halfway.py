@@ -107,8 +107,8 @@ class Halfway:
         if self.track is not None and receiver in ("rail", 0.0):
             # No wave has a way to go, and the track is put on exactly.
             found = self._rail if receiver == "rail" else self._centre
-            error = float((np.abs(found - direct) / size).max())
-            return (np.zeros(panels), error) if must or error <= tolerance else None
+            worst = float((np.abs(found - direct) / size).max())
+            return (np.zeros(panels), worst) if must or worst <= tolerance else None
         tried = self._slownesses if distance > 0.0 else np.zeros(1)
         everywhere = tried[:, None].repeat(panels, axis=1)
         highest = self._errors(slice(-1, None), rows, direct, size, everywhere, distance)

@@ -134,7 +134,7 @@ def _block(
         some = {each: own[each] for each in own if each not in made and level[each] == now}
         f = blocks.frequency(now, blocks.indices(block, now))
         between = blocks.frequency(now + 1, blocks.halfway(block, now, _CHECKS))
-        for receiver, value in directly(some, distance, np.concatenate([f, between]), tolerance).items():
+        for receiver, value in directly(some, distance, np.concatenate([f, between])).items():
             tabulated, direct = value[: f.size], value[f.size :]
             interpolated = blocks.interpolated(block, now, between, tabulated)
             error = float((np.abs(interpolated - direct) / direct[:, :1]).max())
@@ -150,7 +150,6 @@ def directly(
     receivers: Mapping[Receiver, TransferFunction],
     distances: npt.ArrayLike,
     frequency: npt.ArrayLike,
-    tolerance: float = 1e-4,
 ) -> dict[Receiver, np.ndarray]:
     """Return M(d, f) of some receivers, computed at the frequencies themselves.
 
@@ -162,8 +161,6 @@ def directly(
         Distances d ≥ 0 between axles, m, ascending.
     frequency
         Frequencies, Hz, (n,), inside the tables.
-    tolerance
-        Relative error allowed in the squares of the transfer functions.
 
     Returns
     -------
@@ -178,7 +175,7 @@ def directly(
             here = np.arange(start, min(start + _AT_ONCE, f.size))
             for members, block, own in same_nodes(receivers, f[here]):
                 rows = here[own]
-                value = squared([receivers[each] for each in members], block, f[rows], tolerance)
+                value = squared([receivers[each] for each in members], block, f[rows])
                 edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
                 found = np.zeros((f[rows].size, len(members), d.size))
                 sine = np.zeros((len(members), d.size))

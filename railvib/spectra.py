@@ -165,7 +165,7 @@ def spectra(
         force = np.abs(axle_forces(train, rail, f, phase)) ** 2
         with cost.stage("excitation"):
             excited = excitation(train, rail, unevenness, speed, highest, tolerance, refinement)
-        passing = passage_spectra(receivers, excited, train.length, speed, f, tolerance)
+        passing = passage_spectra(receivers, excited, train.length, speed, f)
         displacement = {receiver: {"line": psd} for receiver, psd in passing.items()}
     elif integrals is None:
         raise ValueError("the moving roughness needs line integrals")

@@ -1,12 +1,12 @@
 """|H̃|² at narrow-band lines, on the nodes of the tables: what both approaches integrate over wavenumber.
 
 Squares know no phase, and so they can be interpolated themselves: they are tabulated once for all lines,
-speeds and trains, where the receiver's table is or on finer levels that pass a check half-way, and all that
-leads to them (compliance, track, decay) runs in one pass over the nodes of a frequency.
+speeds and trains, where the receiver's table is or on a finer level that passes a check half-way, and all
+that leads to them (compliance, track, decay) runs in one pass over the nodes of a frequency. The level is
+found when the table is made, which knows it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
 from weakref import finalize
 
 import numba
@@ -22,8 +22,6 @@ from railvib.vector_math import LANES, exp
 _CHECKS = 5
 _LEVELS_BEYOND, _MOST_LEVELS = 3, 6
 """Levels beyond that of the table, between whose frequencies nothing new is known, and levels at all."""
-_SHARE = 1.0
-"""Of the tolerance, what interpolation of squares may take: half of what the tables' own may."""
 _SMALL = 1e-8
 """Of a square's peak, below which errors are relative to that: excitations do not differ by as much."""
 
@@ -44,9 +42,45 @@ def same_nodes(
         yield members, block, np.frombuffer(rows, dtype=np.intp)
 
 
-def squared(
-    functions: Sequence[TransferFunction], block: int, frequency: np.ndarray, tolerance: float = 1e-4
-) -> np.ndarray:
+def square_level(
+    table: TransferBlock, track: Track | None, place: np.ndarray, direct: np.ndarray, tolerance: float
+) -> int:
+    """Return the first level from a table's own on between whose frequencies |H̃|² can be interpolated.
+
+    Parameters
+    ----------
+    table
+        The table; its own `square_level` does not count.
+    track
+        The track to be put on it between its frequencies.
+    place, direct
+        Indices of some frequencies at the next level, half-way between the table's, and the transfer function
+        there, (places, node).
+    tolerance
+        Relative error allowed, beside that of the table.
+    """
+    first, weight = blocks.stencils(table.block, table.level, blocks.frequency(table.level + 1, place))
+    if _error(first, weight, _square(table.transfer), _square(direct)) <= tolerance:
+        return table.level
+    last = max(table.level, min(table.level + _LEVELS_BEYOND, _MOST_LEVELS))
+    for level in range(table.level + 1, last):
+        between = blocks.frequency(level + 1, blocks.halfway(table.block, level, _CHECKS))
+        first, weight = blocks.stencils(table.block, level, between)
+        rows = np.unique(first[:, None] + np.arange(STENCIL))
+        near = _evaluated(table, track, blocks.frequency(level, blocks.indices(table.block, level)[rows]))
+        first = np.searchsorted(rows, first)
+        if _error(first, weight, near, _evaluated(table, track, between)) <= tolerance:
+            return level
+    return last
+
+
+def _error(first: np.ndarray, weight: np.ndarray, rows: np.ndarray, direct: np.ndarray) -> float:
+    """Return the largest relative error of rows interpolated to places where the values are known."""
+    size = np.maximum(direct, _SMALL * direct.max(axis=1, keepdims=True))
+    return float((np.abs(blocks.combined(first, weight, rows) - direct) / size).max())
+
+
+def squared(functions: Sequence[TransferFunction], block: int, frequency: np.ndarray) -> np.ndarray:
     """Return |H̃|² of receivers whose tables have the same nodes, at other frequencies of a block.
 
     Parameters
@@ -57,8 +91,6 @@ def squared(
         Index of the block.
     frequency
         Hz, (n,), inside the block.
-    tolerance
-        Relative error allowed, beside that of the tables.
 
     Returns
     -------
@@ -68,80 +100,43 @@ def squared(
     value = np.empty((len(functions), frequency.size, functions[0].blocks[block].transfer.shape[1]))
     stencils: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     for out, function in zip(value, functions, strict=True):
-        level, rows = _squares(function, block, tolerance)
-        if level not in stencils:
-            stencils[level] = blocks.stencils(block, level, frequency)
-        blocks.combined(*stencils[level], rows, out)
+        table = function.blocks[block]
+        if table.square_level not in stencils:
+            stencils[table.square_level] = blocks.stencils(block, table.square_level, frequency)
+        blocks.combined(*stencils[table.square_level], _squares(table, function.track), out)
     return value
 
 
-class Squares(NamedTuple):
-    """|H̃|² on the frequencies of a block at some level."""
-
-    level: int
-    value: np.ndarray
-
-
-def _squares(function: TransferFunction, block: int, tolerance: float) -> Squares:
+def _squares(table: TransferBlock, track: Track | None) -> np.ndarray:
     """Return |H̃|² on frequencies between which it can be interpolated itself, track, decay and all.
 
     It is kept with the table, which many cases share.
     """
-    table = function.blocks[block]
-    key = function.track, tolerance
-    if key not in table.kept:
-        table.kept[key] = _tabulated(table, function.track, tolerance)
+    if track not in table.kept:
+        table.kept[track] = _tabulated(table, track)
         table.forget_reduced()
-    kept: Squares = table.kept[key]
-    return kept
+    return np.asarray(table.kept[track])
 
 
-def _tabulated(table: TransferBlock, track: Track | None, tolerance: float) -> Squares:
-    """Return squares at the first level from that of the table on at which they pass a check half-way."""
-    last = max(table.level, min(table.level + _LEVELS_BEYOND, _MOST_LEVELS))
-    level = table.level
-    while level < last and not _passes(table, track, level, tolerance):
-        level += 1
+def _tabulated(table: TransferBlock, track: Track | None) -> np.ndarray:
+    """Return squares at their level: the table's own, and between them those that it interpolates."""
     own = _square(table.transfer)
-    if level == table.level:
-        return Squares(level, own)
-    k = blocks.indices(table.block, level)
-    step = 2 ** (level - table.level)
+    if table.square_level == table.level:
+        return own
+    k = blocks.indices(table.block, table.square_level)
+    step = 2 ** (table.square_level - table.level)
     there = k % step == 0
     value = np.empty((k.size, own.shape[1]))
     value[there] = own[k[there] // step - blocks.indices(table.block, table.level)[0]]
-    value[~there] = _evaluated(table, track, blocks.frequency(level, k[~there]))
-    return Squares(level, value)
+    value[~there] = _evaluated(table, track, blocks.frequency(table.square_level, k[~there]))
+    return value
 
 
-def _passes(table: TransferBlock, track: Track | None, level: int, tolerance: float) -> bool:
-    """Return whether squares at a level can be interpolated, where that is checked."""
-    between = blocks.frequency(level + 1, blocks.halfway(table.block, level, _CHECKS))
-    first, weight = blocks.stencils(table.block, level, between)
-    rows = np.unique(first[:, None] + np.arange(STENCIL))
-    if level == table.level:
-        table = table.at_rows(rows)
-        near = _square(table.transfer)
-        direct = _evaluated(table, track, between, np.searchsorted(rows, first))
-    else:
-        near = _evaluated(table, track, blocks.frequency(level, blocks.indices(table.block, level)[rows]))
-        direct = _evaluated(table, track, between)
-    interpolated = blocks.combined(np.searchsorted(rows, first), weight, near)
-    size = np.maximum(direct, _SMALL * direct.max(axis=1, keepdims=True))
-    return float((np.abs(interpolated - direct) / size).max()) <= _SHARE * tolerance
-
-
-def _evaluated(
-    table: TransferBlock, track: Track | None, frequency: np.ndarray, start: np.ndarray | None = None
-) -> np.ndarray:
-    """Return |H̃|² of a receiver at frequencies of a block from what its table interpolates, (n, node).
-
-    `start` tells where the stencils of the frequencies begin, if the table has not all rows of its level.
-    """
+def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray) -> np.ndarray:
+    """Return |H̃|² of a receiver at frequencies of a block from what its table interpolates, (n, node)."""
     edge = table.nodes.panel_edges(frequency)
     omega = 2.0 * np.pi * frequency
     first, weight = blocks.stencils(table.block, table.level, frequency)
-    first = first if start is None else start
     value = np.ones((frequency.size, table.transfer.shape[1]))
     if track is not None and table.compliance is not None:
         key = id(table.compliance), track, frequency.tobytes()

@@ -7,6 +7,7 @@ of frequencies at which interpolation between them passes a check against direct
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from railvib.ground_fits import GroundFits
 from railvib.halfway import Halfway
 from railvib.panels import nodes_between, unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
+from railvib.squared import square_level
 from railvib.strip import products, strip_compliances
 from railvib.track import Track, track_response
 from railvib.transfer import TOP, Nodes, Receiver, TransferBlock
@@ -335,15 +337,19 @@ def _tables(
             if found is None or level < passed[receiver] + beyond:
                 waiting.append(receiver)
                 continue
-            made[receiver] = TransferBlock(
+            table = TransferBlock(
                 **common.fields(samples, level),
                 transfer=np.array(samples.at(level, blocks.indices(fits.block, level), receiver)),
                 receiver="rail" if receiver == "rail" else "ground",
                 offset=np.nan if receiver == "rail" else float(receiver),
                 distance=distance,
+                square_level=level,
                 reference_slowness=found[0],
                 interpolation_error=found[1],
             )
+            direct = np.array(samples.at(level + 1, halfway.place, receiver))
+            finer = square_level(table, samples.track, halfway.place, direct, tolerance)
+            made[receiver] = replace(table, square_level=finer)
             if len(made) == _AT_ONCE:
                 yield made
                 made = {}

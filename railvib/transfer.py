@@ -109,6 +109,8 @@ class TransferBlock:
     block: int
     """Index of the block, see `railvib.blocks`."""
     level: int
+    square_level: int
+    """Level of the frequencies between which |H̃|² can be interpolated, see `railvib.squared`."""
     top_slowness: float
     """Slowness at u = 1, s/m."""
     largest: float
@@ -178,16 +180,6 @@ class TransferBlock:
         """Return the wavenumbers beyond which nothing is left of the field at frequencies in Hz, rad/m."""
         carried = 2.0 * np.pi * frequency * self.top_slowness
         return np.asarray(np.maximum(nothing_beyond(self.distance), carried))
-
-    def at_rows(self, rows: np.ndarray) -> "TransferBlock":
-        """Return the table at some of its frequencies."""
-        return replace(
-            self,
-            frequency=self.frequency[rows],
-            wavenumber=self.wavenumber[rows],
-            transfer=self.transfer[rows],
-            compliance=None if self.compliance is None else self.compliance[rows],
-        )
 
     def rows(self, value: np.ndarray) -> Rows:
         """Return values at the table's frequencies and nodes for interpolation at scattered points."""
