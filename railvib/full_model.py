@@ -14,7 +14,7 @@ The integral over a panel of κ on which |H̃|² is a polynomial is a weighted s
 nodes. The weights follow from the excitation alone: receivers whose tables share their nodes share them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numba
 import numpy as np
@@ -23,7 +23,7 @@ from railvib import cost
 from railvib.excitation import Excitation
 from railvib.panels import FROM_POWERS, ORDER, WEIGHT
 from railvib.squared import same_nodes, squared
-from railvib.transfer import Receiver, TransferFunction
+from railvib.transfer import Nodes, Receiver, TransferFunction
 from railvib.vector_math import turned
 
 _LINES_AT_ONCE = 64
@@ -69,37 +69,86 @@ def passage_spectra(
     """
     psd = {receiver: np.empty(frequency.size) for receiver in receivers}
     with cost.stage("passage") as spent:
+        weights = _Weights(excited, speed, frequency)
         # By distance, as the near ones share their nodes.
         ordered = sorted(receivers, key=_distance)
         for i in range(0, len(ordered), RECEIVERS_AT_ONCE):
             functions = {each: receivers[each] for each in ordered[i : i + RECEIVERS_AT_ONCE]}
+            groups = list(same_nodes(functions, frequency))
+            nodes = [functions[members[0]].blocks[block].nodes for members, block, _ in groups]
+            weights.keep(nodes)
             for start in range(0, frequency.size, _LINES_AT_ONCE):
-                here = np.arange(start, min(start + _LINES_AT_ONCE, frequency.size))
-                turn = turned(2.0 * np.pi / speed * frequency[here, None] * excited.axle_position)
-                amplitude = _amplitudes(excited.turned(turn))
-                for members, block, own in same_nodes(functions, frequency[here]):
-                    f = frequency[here[own]]
-                    edge = functions[members[0]].blocks[block].nodes.panel_edges(f)
-                    value = squared([functions[each] for each in members], block, f)
+                for (members, block, own), shared in zip(groups, nodes, strict=True):
+                    lines = own[slice(*np.searchsorted(own, [start, start + _LINES_AT_ONCE]))]
+                    if not lines.size:
+                        continue
+                    value = squared([functions[each] for each in members], block, frequency[lines])
                     value = value.reshape(*value.shape[:2], -1, ORDER)
+                    edge = shared.panel_edges(frequency[lines])
                     needed = _needed(edge, value)
-                    moment = np.zeros((*needed.shape[1:], ORDER))
-                    _moments(
-                        edge,
-                        needed.any(axis=0),
-                        2.0 * np.pi * f / speed,
-                        amplitude,
-                        own,
-                        excited.edge,
-                        *excited.wavenumbers,
-                        moment,
-                    )
-                    integrals = _sums(needed, moment @ FROM_POWERS, value)
+                    weight = weights.at(shared, lines, edge, needed.any(axis=0))
+                    integrals = _sums(needed, weight, value)
                     for receiver, integral in zip(members, integrals, strict=True):
-                        psd[receiver][here[own]] = integral
+                        psd[receiver][lines] = integral
                     spent.evaluations += 2 * value.size
                     spent.kernel_calls += 1
     return {receiver: each / (train_length * speed) for receiver, each in psd.items()}
+
+
+class _Weights:
+    """The weights of tables' nodes at receiving frequencies, held for the receivers that share them.
+
+    Parameters
+    ----------
+    excited, speed, frequency
+        As for `passage_spectra`.
+    """
+
+    def __init__(self, excited: Excitation, speed: float, frequency: np.ndarray) -> None:
+        self._excited = excited
+        self._speed = speed
+        self._frequency = frequency
+        self._made: dict[tuple[Nodes, bytes], tuple[np.ndarray, np.ndarray]] = {}
+        self._amplitude = 0, np.empty(0)
+
+    def keep(self, nodes: Collection[Nodes]) -> None:
+        """Let go of all weights but those of some nodes."""
+        self._made = {key: made for key, made in self._made.items() if key[0] in nodes}
+
+    def at(self, nodes: Nodes, lines: np.ndarray, edge: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+        """Return the weights at some panels, (lines, panels, order).
+
+        Parameters
+        ----------
+        nodes
+            The nodes.
+        lines
+            Which frequencies, ascending, of the same `_LINES_AT_ONCE`.
+        edge
+            The panels' edges at these, rad/m.
+        wanted
+            At which panels, (lines, panels).
+        """
+        key = nodes, lines.tobytes()
+        if key not in self._made:
+            self._made[key] = np.zeros(wanted.shape, bool), np.zeros((*wanted.shape, ORDER))
+        known, moment = self._made[key]
+        missing = wanted & ~known
+        if missing.any():
+            start = int(lines[0]) // _LINES_AT_ONCE * _LINES_AT_ONCE
+            shift = 2.0 * np.pi * self._frequency[lines] / self._speed
+            of, limits = self._excited.edge, self._excited.wavenumbers
+            _moments(edge, missing, shift, self._amplitudes(start), lines - start, of, *limits, moment)
+            known |= missing
+        return np.asarray(moment @ FROM_POWERS)
+
+    def _amplitudes(self, start: int) -> np.ndarray:
+        """Return the powers of A for the lines from one on, which receivers with other nodes share."""
+        if not self._amplitude[1].size or self._amplitude[0] != start:
+            f = self._frequency[start : start + _LINES_AT_ONCE]
+            turn = turned(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
+            self._amplitude = start, _amplitudes(self._excited.turned(turn))
+        return self._amplitude[1]
 
 
 def _distance(receiver: Receiver) -> float:

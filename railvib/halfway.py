@@ -20,7 +20,7 @@ from railvib.transfer import TOP, Nodes, Receiver, undamped
 
 _GOOD = 0.1
 """Share of the tolerance at which no better wave is looked for."""
-_TRIED = 12
+_TRIED = 10
 """Slownesses that are tried."""
 _SLOWEST = 1.1
 """The largest of them, over that of the slowest body wave: a surface wave is slower."""
