@@ -109,6 +109,7 @@ class _Weights:
         self._speed = speed
         self._frequency = frequency
         self._made: dict[tuple[Nodes, bytes], tuple[np.ndarray, np.ndarray]] = {}
+        """At which panels, and what they are."""
         self._amplitude = 0, np.empty(0)
 
     def keep(self, nodes: Collection[Nodes]) -> None:
@@ -132,15 +133,18 @@ class _Weights:
         key = nodes, lines.tobytes()
         if key not in self._made:
             self._made[key] = np.zeros(wanted.shape, bool), np.zeros((*wanted.shape, ORDER))
-        known, moment = self._made[key]
+        known, weight = self._made[key]
         missing = wanted & ~known
         if missing.any():
+            moment = np.zeros(weight.shape)
             start = int(lines[0]) // _LINES_AT_ONCE * _LINES_AT_ONCE
             shift = 2.0 * np.pi * self._frequency[lines] / self._speed
             of, limits = self._excited.edge, self._excited.wavenumbers
             _moments(edge, missing, shift, self._amplitudes(start), lines - start, of, *limits, moment)
+            # All together: the last digits of a product may depend on how many rows it has.
+            weight[missing] = (moment @ FROM_POWERS)[missing]
             known |= missing
-        return np.asarray(moment @ FROM_POWERS)
+        return weight
 
     def _amplitudes(self, start: int) -> np.ndarray:
         """Return the powers of A for the lines from one on, which receivers with other nodes share."""
@@ -175,17 +179,19 @@ def _needed(edge, value):
     return needed
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
 def _sums(needed, weight, value):
     """Return the weighted sums of |H̃|² over the nodes of the panels needed, (receivers, lines)."""
     receivers, lines, panels, _ = value.shape
-    out = np.zeros((receivers, lines))
+    out = np.empty((receivers, lines))
     for q in range(receivers):
         for i in range(lines):
+            total = 0.0
             for p in range(panels):
                 if needed[q, i, p]:
                     for n in range(ORDER):
-                        out[q, i] += weight[i, p, n] * value[q, i, p, n]
+                        total += weight[i, p, n] * value[q, i, p, n]
+            out[q, i] = total
     return out
 
 

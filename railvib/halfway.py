@@ -77,6 +77,12 @@ class Halfway:
         self._rail, self._force = track_response(self.track, self._beta, self._omega[:, None], between)
         self._centre = self._force * between
 
+    def nothing(self, receiver: Receiver, direct: np.ndarray) -> np.ndarray:
+        """Return the size below which errors of a transfer function do not count, at each place, m²/N."""
+        # The peak is the field's: under the track for the ground, however far the receiver.
+        under = direct if receiver == "rail" else self._under
+        return np.asarray(_NOTHING * np.abs(under).max(axis=1))
+
     def references(
         self,
         receiver: Receiver,
@@ -101,9 +107,7 @@ class Halfway:
         """
         direct = np.array(places)
         panels = direct.shape[1] // ORDER
-        # The peak is the field's: under the track for the ground, however far the receiver.
-        under = direct if receiver == "rail" else self._under
-        size = np.maximum(np.abs(direct), _NOTHING * np.abs(under).max(axis=1, keepdims=True))
+        size = np.maximum(np.abs(direct), self.nothing(receiver, direct)[:, None])
         if self.track is not None and receiver in ("rail", 0.0):
             # No wave has a way to go, and the track is put on exactly.
             found = self._rail if receiver == "rail" else self._centre

@@ -43,7 +43,12 @@ def same_nodes(
 
 
 def square_level(
-    table: TransferBlock, track: Track | None, place: np.ndarray, direct: np.ndarray, tolerance: float
+    table: TransferBlock,
+    track: Track | None,
+    place: np.ndarray,
+    direct: np.ndarray,
+    nothing: np.ndarray,
+    tolerance: float,
 ) -> int:
     """Return the first level from a table's own on between whose frequencies |H̃|² can be interpolated.
 
@@ -56,11 +61,13 @@ def square_level(
     place, direct
         Indices of some frequencies at the next level, half-way between the table's, and the transfer function
         there, (places, node).
+    nothing
+        Size of the transfer function below which the table's errors do not count, (places,).
     tolerance
         Relative error allowed, beside that of the table.
     """
     first, weight = blocks.stencils(table.block, table.level, blocks.frequency(table.level + 1, place))
-    if _error(first, weight, _square(table.transfer), _square(direct)) <= tolerance:
+    if _error(first, weight, _square(table.transfer), _square(direct), nothing) <= tolerance:
         return table.level
     last = max(table.level, min(table.level + _LEVELS_BEYOND, _MOST_LEVELS))
     for level in range(table.level + 1, last):
@@ -69,14 +76,18 @@ def square_level(
         rows = np.unique(first[:, None] + np.arange(STENCIL))
         near = _evaluated(table, track, blocks.frequency(level, blocks.indices(table.block, level)[rows]))
         first = np.searchsorted(rows, first)
-        if _error(first, weight, near, _evaluated(table, track, between)) <= tolerance:
+        if _error(first, weight, near, _evaluated(table, track, between), nothing) <= tolerance:
             return level
     return last
 
 
-def _error(first: np.ndarray, weight: np.ndarray, rows: np.ndarray, direct: np.ndarray) -> float:
+def _error(
+    first: np.ndarray, weight: np.ndarray, rows: np.ndarray, direct: np.ndarray, nothing: np.ndarray
+) -> float:
     """Return the largest relative error of rows interpolated to places where the values are known."""
     size = np.maximum(direct, _SMALL * direct.max(axis=1, keepdims=True))
+    # What the table's own error makes of a square, where the function is next to nothing.
+    size = np.maximum(size, np.sqrt(direct) * nothing[:, None])
     return float((np.abs(blocks.combined(first, weight, rows) - direct) / size).max())
 
 

@@ -348,7 +348,8 @@ def _tables(
                 interpolation_error=found[1],
             )
             direct = np.array(samples.at(level + 1, halfway.place, receiver))
-            finer = square_level(table, samples.track, halfway.place, direct, tolerance)
+            nothing = halfway.nothing(receiver, direct)
+            finer = square_level(table, samples.track, halfway.place, direct, nothing, tolerance)
             made[receiver] = replace(table, square_level=finer)
             if len(made) == _AT_ONCE:
                 yield made
