@@ -95,6 +95,11 @@ class Bucket:
             return self.read(key) == content
         return True
 
+    def create_many(self, contents: Mapping[str, bytes]) -> list[bool]:
+        """Put objects on that condition, several at once."""
+        with ThreadPoolExecutor(CONNECTIONS) as pool:
+            return list(pool.map(self.create, contents.keys(), contents.values()))
+
     def ensure(self, key: str, content: bytes) -> None:
         """Put an object once per process, if it is not there."""
         if key not in self._ensured:

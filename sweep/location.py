@@ -49,6 +49,9 @@ class Location(Protocol):
     def create(self, key: str, content: bytes) -> bool:
         """Write at a key unless something is there; return whether this is what stands there now."""
 
+    def create_many(self, contents: Mapping[str, bytes]) -> list[bool]:
+        """Do the same at some keys, in less time; all are durable when this returns."""
+
     def ensure(self, key: str, content: bytes) -> None:
         """See that a key whose content never changes is there."""
 
@@ -147,17 +150,29 @@ class Folder:
             return []
 
     def create(self, key: str, content: bytes) -> bool:
-        """Write aside, sync, and link to the name, which fails where it is taken."""
-        path = self._folder + key
-        temporary = _write_aside(path, content)
+        """Do as `create_many`."""
+        return self.create_many({key: content})[0]
+
+    def create_many(self, contents: Mapping[str, bytes]) -> list[bool]:
+        """Write aside, sync, and link to the names, which fails where one is taken.
+
+        What is synced first takes what else was written along: one by one each would wait for the disk.
+        """
+        asides = {key: _aside(self._folder + key) for key in contents}
+        first = []
         try:
-            os.link(temporary, path)  # fails where the name is taken: the first wins, whoever is slower
-            first = True
-        except FileExistsError:
-            first = False
+            for key, aside in asides.items():
+                _write_aside(aside, contents[key])
+            for aside in asides.values():
+                _sync(aside)
+            for key, aside in asides.items():
+                first.append(_linked_first(aside, self._folder + key))
         finally:
-            os.unlink(temporary)
-        _sync_folder(os.path.dirname(path))
+            for aside in asides.values():
+                with suppress(FileNotFoundError):
+                    os.unlink(aside)
+        for folder in dict.fromkeys(map(os.path.dirname, asides.values())):
+            _sync(folder)  # makes the names durable, not only the files behind them
         return first
 
     def ensure(self, key: str, content: bytes) -> None:
@@ -168,24 +183,27 @@ class Folder:
     def replace(self, key: str, content: bytes) -> None:
         """Write a file in one step, whatever was there; durable when this returns."""
         path = self._folder + key
-        os.replace(_write_aside(path, content), path)
-        _sync_folder(os.path.dirname(path))
+        aside = _aside(path)
+        _write_aside(aside, content)
+        _sync(aside)
+        os.replace(aside, path)
+        _sync(os.path.dirname(path))
 
     def put(
         self, prefix: str, objects: Mapping[str, bytes | memoryview], same: Mapping[str, str] = NONE
     ) -> int:
         """Write a folder aside, and rename it to its place; what is there already gets another name."""
-        aside = f"{self._aside(prefix)}/{uuid.uuid4().hex}"
+        aside = f"{self._folder}{self._partial(prefix)}/{uuid.uuid4().hex}"
         for folder in dict.fromkeys(key.rpartition("/")[0] for key in objects):
-            os.makedirs(f"{aside}/{folder}", exist_ok=True)
+            _make(f"{aside}/{folder}" if folder else aside)
         written = 0
         for key, content in objects.items():
             if key not in same or not _linked(self._folder + same[key], f"{aside}/{key}"):
                 _write(f"{aside}/{key}", content)
                 written += len(content)
-        place = self._top / prefix
-        place.parent.mkdir(parents=True, exist_ok=True)
-        _rename(Path(aside), place)
+        place = self._folder + prefix
+        _make(os.path.dirname(place))
+        _rename(aside, place)
         return written
 
     def remove(self, key: str) -> None:
@@ -205,14 +223,15 @@ class Folder:
 
     def clean(self, prefix: str, older_than_s: float) -> None:
         """Remove what writers that died have left aside of groups below a first part of keys."""
-        for name in self.names(self._aside(prefix).name):
-            path = self._aside(prefix) / name
+        for name in self.names(self._partial(prefix)):
+            path = self._top / self._partial(prefix) / name
             with suppress(FileNotFoundError):
                 if time.time() - path.stat().st_mtime >= older_than_s:
                     shutil.rmtree(path, ignore_errors=True)
 
-    def _aside(self, prefix: str) -> Path:
-        return self._top / f"{prefix.partition('/')[0]}.partial"
+    @staticmethod
+    def _partial(prefix: str) -> str:
+        return f"{prefix.partition('/')[0]}.partial"
 
 
 def _linked(path: str, name: str) -> bool:
@@ -224,9 +243,28 @@ def _linked(path: str, name: str) -> bool:
     return True
 
 
+def _linked_first(path: str, name: str) -> bool:
+    """Give a file another name; return whether nothing had that: the first wins, whoever is slower."""
+    try:
+        os.link(path, name)
+    except FileExistsError:
+        return False
+    return True
+
+
+def _make(folder: str) -> None:
+    """Make a folder if it is missing, and those above it."""
+    try:
+        os.mkdir(folder)
+    except FileExistsError:
+        return
+    except FileNotFoundError:
+        os.makedirs(folder, exist_ok=True)
+
+
 def _read(path: str) -> bytearray:
     """Return a file's content in memory that can be written to, so that an array needs no copy of it."""
-    with open(path, "rb") as file:
+    with open(path, "rb", buffering=0) as file:
         content = bytearray(os.fstat(file.fileno()).st_size)
         file.readinto(content)
         return content
@@ -237,37 +275,36 @@ def _write(path: str, content: bytes | memoryview) -> None:
         file.write(content)
 
 
-def _write_aside(path: str, content: bytes) -> str:
-    """Write and sync a file beside `path` under a name of its own, in a folder made if missing."""
+def _aside(path: str) -> str:
+    """Return a name beside `path` that nobody else has."""
     folder, name = os.path.split(path)
-    temporary = f"{folder}/.{name}.{uuid.uuid4().hex}.partial"
+    return f"{folder}/.{name}.{uuid.uuid4().hex}.partial"
+
+
+def _write_aside(path: str, content: bytes) -> None:
+    """Write a file in a folder that is made if missing."""
     try:
-        file = open(temporary, "wb")
+        _write(path, content)
     except FileNotFoundError:
-        os.makedirs(folder, exist_ok=True)
-        file = open(temporary, "wb")
-    with file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    return temporary
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        _write(path, content)
 
 
-def _rename(partial: Path, place: Path) -> None:
+def _rename(partial: str, place: str) -> None:
     """Move a whole group to its place; one that is there stays if it is whole."""
     while True:
         try:
-            partial.rename(place)
+            os.rename(partial, place)
             return
         except OSError as error:
             if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
                 raise
-        if _same(partial, place):
+        if _same(Path(partial), Path(place)):
             shutil.rmtree(partial)
             return
-        aside = partial.with_name(uuid.uuid4().hex)
+        aside = f"{os.path.dirname(partial)}/{uuid.uuid4().hex}"
         try:
-            place.rename(aside)
+            os.rename(place, aside)
         except FileNotFoundError:  # another writer was as quick: try again
             continue
         shutil.rmtree(aside)
@@ -287,9 +324,9 @@ def _keys(top: str) -> Iterator[str]:
             yield below + name
 
 
-def _sync_folder(folder: str) -> None:
-    """Make the names in a folder durable, not only the files behind them."""
-    descriptor = os.open(folder, os.O_RDONLY)
+def _sync(path: str) -> None:
+    """Make a file, or the names in a folder, durable."""
+    descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:

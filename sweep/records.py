@@ -9,7 +9,7 @@ rebuilt from these files and the arrays.
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -123,13 +123,19 @@ def find(home: Home, kind: str, unit_id: str) -> dict[str, Any] | None:
 
 def commit(home: Home, record: Mapping[str, Any]) -> bool:
     """Write a commit record unless there is one; return whether this one is the first and so counts."""
-    place, key, content = location.at(home), _key(record["kind"], record["unit_id"]), _encode(record)
-    if place.create(key, content):
-        return True
-    if _decode(place.read(key)) is not None:
-        return False
-    place.remove(key)  # one that cannot be read holds its name for nothing
-    return place.create(key, content)
+    return commit_many(home, [record])[0]
+
+
+def commit_many(home: Home, made: Sequence[Mapping[str, Any]]) -> list[bool]:
+    """Write commit records, one per unit, unless there are some; return of each whether it counts."""
+    place = location.at(home)
+    contents = {_key(record["kind"], record["unit_id"]): _encode(record) for record in made}
+    first = dict(zip(contents, place.create_many(contents), strict=True))
+    for key, content in contents.items():
+        if not first[key] and _decode(place.read(key)) is None:
+            place.remove(key)  # one that cannot be read holds its name for nothing
+            first[key] = place.create(key, content)
+    return list(first.values())
 
 
 def withdraw(home: Home, kind: str, unit_id: str) -> None:

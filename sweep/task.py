@@ -186,21 +186,21 @@ def _record(
     started: str,
 ) -> Iterator[tuple[bool, int, list[str]]]:
     """Store and commit a batch; yield what `_compute` does."""
-    stored = []
+    stored: dict[str, list[tuple[Unit, dict[str, Any], store.Written]]] = {home: [] for home in writers}
     for unit, result in batch.items():
         shares = _share(unit, batch, costs, kinds)
         home = place.home(unit, kinds[unit.kind])
-        record, written = _store(unit, result, shares, cautions, place, writers[home], started)
-        stored.append((unit, home, record, written))
+        stored[home].append((unit, *_store(unit, result, shares, cautions, place, writers[home], started)))
     # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
     # computed again as a whole.
-    for unit, home, record, written in stored:
-        first = records.commit(home, record)
-        kind = kinds[unit.kind]
-        if first and kind.scope(unit.inputs) != "case":  # what belongs to one case no other task reads
-            _hold(unit, place, store.restored(written, kind.result))
-        yield first, written.bytes_written, cautions
-        records.forget_failure(place.directory, record["unit_id"])
+    for home, made in stored.items():
+        firsts = records.commit_many(home, [record for _, record, _ in made])
+        for (unit, _, written), first in zip(made, firsts, strict=True):
+            kind = kinds[unit.kind]
+            if first and kind.scope(unit.inputs) != "case":  # what belongs to one case no other task reads
+                _hold(unit, place, store.restored(written, kind.result))
+            yield first, written.bytes_written, cautions
+            records.forget_failure(place.directory, unit.id)
 
 
 class Reader:

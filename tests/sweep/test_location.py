@@ -1,5 +1,6 @@
 """What a place for results promises, on a file system and on S3 over the wire."""
 
+import errno
 import socket
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -38,6 +39,33 @@ def test_one_of_many_at_once_is_first(place):
         won = list(pool.map(create, range(8)))
     assert sum(won) == 1
     assert place.read("records/a.json") == b"%d" % won.index(True)
+
+
+def test_of_many_the_first_ones_stay(place):
+    assert place.create("records/a/1", b"first")
+    given = {"records/a/1": b"second", "records/a/2": b"second", "records/b/1": b"second"}
+    assert place.create_many(given) == [False, True, True]
+    late = dict.fromkeys([*given, "records/c"], b"third")
+    assert place.create_many(late) == [False, False, False, True]
+    assert list(place.read_many(late)) == [b"first", b"second", b"second", b"third"]
+    assert place.create_many({}) == []
+
+
+def test_a_disk_that_is_full_among_many_leaves_nothing_aside(tmp_path, monkeypatch):
+    write, full = location._write, OSError(errno.ENOSPC, "No space left on device")
+    written = []
+
+    def until_full(path, content):
+        write(path, content[:1] if written else content)
+        written.append(path)
+        if len(written) == 2:
+            raise full
+
+    monkeypatch.setattr(location, "_write", until_full)
+    with pytest.raises(OSError, match="No space left"):
+        location.at(tmp_path).create_many({f"records/{n}": b"content" for n in range(3)})
+    assert len(written) == 2
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
 
 
 def test_what_is_there_can_be_listed_read_and_removed(place):

@@ -37,6 +37,15 @@ def test_one_of_many_processes_is_first(tmp_path):
     assert won.empty()
 
 
+def test_many_are_written_where_there_are_none_that_can_be_read(tmp_path):
+    records.commit_many(tmp_path, [record(each, worker="first") for each in "ab"])
+    path = tmp_path / "records" / "square" / "b.json"
+    path.write_text(path.read_text().replace("first", "other"))
+    made = [record(each, worker="second") for each in "abc"]
+    assert records.commit_many(tmp_path, made) == [False, True, True]
+    assert [each["worker"] for each in records.committed(tmp_path)] == ["first", "second", "second"]
+
+
 def test_nothing_is_left_aside(tmp_path):
     records.commit(tmp_path, record("a"))
     records.commit(tmp_path, record("a"))
