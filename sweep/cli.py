@@ -112,8 +112,8 @@ def run(study: Path, out: Path | None, store: str | None, **launch: Any) -> None
         launched = _launch(launch, out or _RUNS / study.stem)
         resolved = _load(study)
         directory = out or _default_directory(resolved)
-        request, cautions = _prepare(resolved, directory, store, launched)
-    _run(request, directory, launched, cautions)
+        request, planned, cautions = _prepare(resolved, directory, store, launched)
+    _run(request, planned, directory, launched, cautions)
 
 
 @click.command()
@@ -125,8 +125,8 @@ def resume(directory: Path, failed: bool, store: str | None, **launch: Any) -> N
     """Compute what is missing, damaged or failed of the latest run in DIRECTORY."""
     with _collecting_later():
         launched = _launch(launch, directory)
-        request, cautions = _prepare(_latest(directory), directory, store, launched)
-    _run(request, directory, launched, cautions, mend=True, only_failed=failed)
+        request, planned, cautions = _prepare(_latest(directory), directory, store, launched)
+    _run(request, planned, directory, launched, cautions, mend=True, only_failed=failed)
 
 
 @click.command()
@@ -185,21 +185,24 @@ def _launch(launch: Mapping[str, Any], directory: Path) -> "Launch":
 
 def _prepare(
     resolved: "Resolved", directory: Path, store: str | None, launched: "Launch"
-) -> tuple["Request", Callable[[], list[str]]]:
+) -> tuple["Request", "Estimate", Callable[[], list[str]]]:
     """Plan a study and refuse what cannot be; return also what waits for what is implausible in it."""
+    from sweep.estimate import Estimate
     from sweep.run import prepare
 
     request = prepare(resolved, directory, store)
-    cautions: Callable[[], list[str]] = list
-    if request.plan.tasks:
-        launched.get_ready(KINDS)
-        cautions = _check_plausibility(resolved, launched)
-        _check_fits(request, _estimate(request), directory, launched.here)
-    return request, cautions
+    if not request.plan.tasks:
+        return request, Estimate(), list
+    launched.get_ready(KINDS)
+    cautions = _check_plausibility(resolved, launched)
+    planned = _estimate(request)
+    _check_fits(request, planned, directory, launched.here)
+    return request, planned, cautions
 
 
 def _run(
     request: "Request",
+    planned: "Estimate",
     directory: Path,
     launched: "Launch",
     cautions: Callable[[], list[str]],
@@ -222,6 +225,8 @@ def _run(
             if only_failed:
                 failures = {record["unit_id"] for record in records.failed(directory)}
                 request = request.resting_on(failures)
+            if mend or only_failed:
+                planned = _estimate(request)
             tasks, cases = len(request.plan.tasks), len(request.cases)
             click.echo(f"{cases} cases, {len(request.plan.units)} units, {tasks} tasks to run", err=True)
             with ExitStack() as stack:
@@ -232,8 +237,7 @@ def _run(
                     for publisher in publishers:
                         publisher.get_ready()
 
-                planned = _estimate(request).document
-                exit_status = execute(request, directory, launched, planned, cautions, near_end)
+                exit_status = execute(request, directory, launched, planned.document, cautions, near_end)
                 for publisher in publishers:
                     publisher.publish()
     except KeyboardInterrupt:

@@ -429,9 +429,15 @@ def waves_between(inputs: Inputs) -> float:
     """
     distance = 0.0 if inputs["receiver"] == RAIL else inputs["receiver"]
     highest = float(blocks.edges(int(inputs["block"]))[1])
-    ground = Ground(**inputs["ground"])
-    surviving = SURVIVING / max(min(layer.loss_factor for layer in ground.layers), 1e-3)
-    return min(distance * highest / ground.slowest_speed, surviving)
+    slowest, surviving = _slowest_and_surviving(inputs["ground"])
+    return min(distance * highest / slowest, surviving)
+
+
+@lru_cache(REMEMBERED)
+def _slowest_and_surviving(ground: Canonical) -> tuple[float, float]:
+    """Return the speed of a ground's slowest wave, and the wavelengths after which nothing is left of it."""
+    made = Ground(**ground)
+    return made.slowest_speed, SURVIVING / max(min(layer.loss_factor for layer in made.layers), 1e-3)
 
 
 def _transfer_rows(inputs: Inputs) -> int:
