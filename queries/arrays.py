@@ -101,7 +101,7 @@ class Reader:
                     [{"series_id": number} for number in numbers.tolist()],
                     {
                         "frequency_hz": np.broadcast_to(frequency, (len(kept), frequency.size)),
-                        "value": np.asarray(arrays["psd"], dtype=float)[kept],
+                        "value": arrays["psd"] if len(kept) == len(keys) else arrays["psd"][kept],
                     },
                 )
 

@@ -15,7 +15,7 @@ _HELD_ROWS = 400_000
 
 @dataclass
 class _Held:
-    """Rows that wait: words once per stretch of rows, numbers once per row."""
+    """Rows that wait: words once per stretch of rows, numbers in arrays as they came."""
 
     heads: list[Mapping[str, Any]] = field(default_factory=list)
     sizes: list[int] = field(default_factory=list)
@@ -40,9 +40,9 @@ class Writer:
         """Insert rows; what a row lacks becomes NULL, what a table lacks is left out."""
         rows = list(rows)
         if rows:
-            columns = self._columns[table]
-            self.connection.register("given", _sent(columns, rows))
-            self._insert(table, [_received(name, kind) for name, kind in columns], "given")
+            sent = _sent(self._columns[table], rows)
+            self.connection.register("given", sent)
+            self._insert(table, sent, "given")
 
     def stretches(
         self, table: str, heads: Sequence[Mapping[str, Any]], numbers: Mapping[str, NDArray[Any]]
@@ -60,7 +60,7 @@ class Writer:
         """
         held = self._held.setdefault(table, _Held())
         for name, array in numbers.items():
-            held.numbers.setdefault(name, []).append(np.ravel(array))
+            held.numbers.setdefault(name, []).append(array)
             size = array.shape[1]
         held.heads += heads
         held.sizes += [size] * len(heads)
@@ -76,26 +76,36 @@ class Writer:
     def _flush(self, table: str) -> None:
         """Insert what is held of a table, for good: the memory of a transaction grows with its rows."""
         held = self._held.pop(table)
-        numbers = {name: np.concatenate(parts) for name, parts in held.numbers.items()}
+        numbers = {name: _joined(parts) for name, parts in held.numbers.items()}
         shared = [(name, kind) for name, kind in self._columns[table] if name not in numbers]
-        words = [(name, kind) for name, kind in shared if kind not in _NUMBERS]
-        if words:
-            numbers["head"] = np.repeat(np.arange(len(held.heads), dtype=np.int32), held.sizes)
-            heads = _sent(shared, held.heads)
-            self.connection.register("heads", {**heads, "head": np.arange(len(held.heads), dtype=np.int32)})
+        heads = _sent(shared, held.heads)
+        if any(kind not in _NUMBERS for _, kind in shared):
+            place = np.arange(len(held.heads), dtype=np.int32)
+            self.connection.register("heads", {**heads, "head": place})
+            self.connection.register("given", {**numbers, "head": np.repeat(place, held.sizes)})
             source = "given JOIN heads USING (head)"
         else:  # numbers alone need no join
-            for name, sent in _sent(shared, held.heads).items():
-                numbers[name] = np.repeat(sent, held.sizes)
+            heads = {name: np.repeat(sent, held.sizes) for name, sent in heads.items()}
+            self.connection.register("given", {**numbers, **heads})
             source = "given"
-        self.connection.register("given", numbers)
-        self._insert(table, [_received(name, kind) for name, kind in self._columns[table]], source)
+        self._insert(table, {**numbers, **heads}, source)
         self.connection.commit()
         self.connection.begin()
 
-    def _insert(self, table: str, expressions: Iterable[str], source: str) -> None:
-        self.connection.execute(f"INSERT INTO {table} SELECT {', '.join(expressions)} FROM {source}")
+    def _insert(self, table: str, sent: Mapping[str, NDArray[Any]], source: str) -> None:
+        columns = (_received(name, kind, sent[name]) for name, kind in self._columns[table])
+        self.connection.execute(f"INSERT INTO {table} SELECT {', '.join(columns)} FROM {source}")
         self.connection.unregister("given")
+
+
+def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return the elements of arrays one after the other; they may be views of fewer elements."""
+    joined = np.empty(sum(part.size for part in parts), np.result_type(*parts))
+    first = 0
+    for part in parts:
+        joined[first : first + part.size].reshape(part.shape)[...] = part
+        first += part.size
+    return joined
 
 
 def _sent(columns: Iterable[tuple[str, str]], rows: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
@@ -105,14 +115,17 @@ def _sent(columns: Iterable[tuple[str, str]], rows: Sequence[Mapping[str, Any]])
     for name, kind in columns:
         given = [row.get(name) for row in rows]
         if kind in _NUMBERS:
-            sent[name] = np.array([np.nan if value is None else value for value in given], dtype=float)
+            numbers = np.array([np.nan if value is None else value for value in given])
+            sent[name] = numbers if numbers.dtype.kind == "i" else numbers.astype(float)
         else:
             sent[name] = np.array(["" if value is None else str(value) for value in given], dtype=object)
     return sent
 
 
-def _received(name: str, kind: str) -> str:
+def _received(name: str, kind: str, sent: NDArray[Any]) -> str:
     """Return the expression that makes a column of what was sent."""
-    if kind in _NUMBERS:
+    if kind not in _NUMBERS:
+        return f"nullif(\"{name}\", '')::{kind}"
+    if np.isnan(sent).any():
         return f'CASE WHEN NOT isnan("{name}"::DOUBLE) THEN "{name}"::{kind} END'
-    return f"nullif(\"{name}\", '')::{kind}"
+    return f'"{name}"::{kind}'
