@@ -97,8 +97,11 @@ class Pair:
     def kept(self, connection: duckdb.DuckDBPyConnection) -> "Pair":
         """Return the pair with its rows in a table of this connection, for what groups them repeatedly."""
         digest = hashlib.sha256(json.dumps([self.rows, self.given]).encode()).hexdigest()[:16]
-        connection.execute(f"CREATE TEMP TABLE IF NOT EXISTS pair_{digest} AS {self.rows}", list(self.given))
-        return replace(self, rows=f"FROM pair_{digest}", given=())
+        table = f"pair_{digest}"
+        there = "SELECT 1 FROM duckdb_tables() WHERE temporary AND table_name = $1"
+        if connection.execute(there, [table]).fetchone() is None:  # IF NOT EXISTS would plan the rows first
+            connection.execute(f"CREATE TEMP TABLE {table} AS {self.rows}", list(self.given))
+        return replace(self, rows=f"FROM {table}", given=())
 
 
 @dataclass(frozen=True)
@@ -179,9 +182,9 @@ def pairs(connection: duckdb.DuckDBPyConnection) -> list[Pair]:
 
 def varying(connection: duckdb.DuckDBPyConnection) -> list[str]:
     """Return the axes to name a case by: the soil, and every other axis with more than one value."""
-    counts = ", ".join(f"count(DISTINCT {column})" for column in AXES.values())
-    row = connection.execute(f"SELECT {counts} FROM cases").fetchone() or ()
-    return [axis for axis, count in zip(AXES, row, strict=True) if axis == "soil" or count > 1]
+    several = ", ".join(f"min({column}) <> max({column})" for column in AXES.values())
+    row = connection.execute(f"SELECT {several} FROM cases").fetchone() or ()
+    return [axis for axis, varies in zip(AXES, row, strict=True) if axis == "soil" or varies]
 
 
 def _constant(connection: duckdb.DuckDBPyConnection) -> str:

@@ -37,11 +37,11 @@ def data(connection: duckdb.DuckDBPyConnection) -> Data:
         "bands": bands,
         "band_names": [band(value) for value in bands],
         "levels": _levels(connection, sizes),
-        "lines": page_spectra.spectra(connection, sizes),
         "receptances": _receptances(connection),
         "unevenness": _unevenness(connection),
         "costs": _costs(connection),
         "trains": _trains(connection),
+        "lines": page_spectra.spectra(connection, sizes),  # last: it fills what DuckDB may hold
     }
 
 

@@ -4,7 +4,7 @@ Beyond it each is thinned to the smallest and the largest line of every bin of f
 and dips where they are, and the page says so.
 """
 
-import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,9 @@ from queries.packing import filled, hundredths, text
 LINES_BYTES = 3_000_000
 """Share of the page for narrow-band spectra, before it is written as text."""
 _SPECTRA_AT_ONCE = 64
-"""Spectra whose lines are read by one query and thinned."""
+"""Spectra whose lines are read by one query: those of a case would take ten times the memory of the page."""
+_READ_ALONG = 2
+"""Spectra between two wanted ones that are read and left out: a query costs more."""
 MOST_BINS, FEW_BINS, LEAST_BINS = 1000, 300, 100
 """Bins of a thinned spectrum: at most, so few that only dynamic ones are shown, or fewer cases."""
 CONTRIBUTIONS = ("dynamic", "quasi-static", "total")
@@ -107,78 +109,92 @@ class _Thinning:
 def _packed(connection: duckdb.DuckDBPyConnection, plan: _Thinning, sizes: Sizes) -> list[Data]:
     """Return the spectra of each shown case: frequencies, and levels of all lines or extremes of bins."""
     chosen = "contribution = 'dynamic'" if plan.dynamic_only else "true"
-    ends: dict[int, tuple[float, float]] = {}
-    spectra_of: dict[int, list[int]] = {}
-    for case, spectrum, first, last in connection.execute(
-        "SELECT case_number, spectrum, first, last FROM page_series JOIN page_grids USING (case_number) "
-        f"WHERE {chosen} ORDER BY ALL"
-    ).fetchall():
-        spectra_of.setdefault(case, []).append(spectrum)
-        ends[case] = first, last
-    cases = list(ends)
-    if plan.cases < len(cases):
-        cases = [cases[round(at)] for at in np.linspace(0, len(cases) - 1, plan.cases)]
+    found = connection.execute(
+        "SELECT case_number, spectrum, series_id, first, last FROM page_series JOIN page_grids "
+        f"USING (case_number) WHERE {chosen} ORDER BY case_number, spectrum"
+    ).fetchnumpy()
+    number, spectrum, series, first, last = (np.asarray(column) for column in found.values())
+    cases, starts = np.unique(number, return_index=True)
+    shown = np.arange(cases.size)
+    if plan.cases < cases.size:
+        shown = np.array([round(at) for at in np.linspace(0, cases.size - 1, plan.cases)])
     scale = connection.execute(
         "SELECT CASE WHEN quantity = 'wheel_rail_force' THEN 1.0 ELSE 1e18 END AS scale FROM page_receivers "
         "ORDER BY number"
     ).fetchnumpy()["scale"]
-    query = (
-        "SELECT spectrum, frequency_hz, value FROM psd_lines JOIN page_series USING (series_id) "
-        f"WHERE {chosen} AND case_number = $1 AND spectrum BETWEEN $2 AND $3 AND frequency_hz > 0"
-    )
-    shown = []
-    for case in cases:  # few at a time: their lines would take ten times the memory of the page
-        ids = np.array(spectra_of[case])
-        parts = np.array_split(ids, math.ceil(ids.size / _SPECTRA_AT_ONCE)) if plan.bins else [ids]
-        levels = []
-        for part in parts:
-            found = connection.execute(query, [case, int(part[0]), int(part[-1])]).fetchnumpy()
-            row, frequency, value = (filled(found[name]) for name in ("spectrum", "frequency_hz", "value"))
-            lines = _Lines(np.searchsorted(part, row), frequency, value * scale[row % sizes.receivers])
-            if plan.bins:
-                frequency, density = lines.extremes(part.size, plan.bins, *ends[case])
-            else:
-                frequency, density = lines.all(part.size)
-            levels.append(hundredths(_decibels(density)))
-        shown.append(
+    packed = []
+    for which in shown:
+        rows = slice(starts[which], starts[which + 1] if which + 1 < cases.size else None)
+        ids = spectrum[rows]
+        receivers = ids % sizes.receivers
+        lines = _lines(connection, series[rows])
+        if plan.bins:
+            frequency, density = _extremes(lines, ids.size, plan.bins, first[rows][0], last[rows][0])
+        else:
+            frequency, density = _all(lines, ids.size)
+        packed.append(
             {
-                "case": case,
+                "case": int(cases[which]),
                 "places": (ids // sizes.receivers).tolist(),
-                "receivers": (ids % sizes.receivers).tolist(),
+                "receivers": receivers.tolist(),
                 "frequency": [float(f"{each:.6g}") for each in frequency],
-                "levels": text(np.concatenate(levels)),
+                "levels": text(hundredths(_decibels(density * scale[receivers, None]))),
             }
         )
-    return shown
+    return packed
 
 
-@dataclass(frozen=True)
-class _Lines:
-    """Lines of some spectra in no order: number of the spectrum, frequency, and density or NaN of each."""
+_Line = tuple[int, NDArray[np.float64], NDArray[np.float64]]
+"""Place of a spectrum among those asked for, its frequencies above 0 ascending, and densities or NaN."""
 
-    spectrum: NDArray[np.intp]
-    frequency: NDArray[np.float64]
-    density: NDArray[np.float64]
 
-    def all(self, number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the frequencies, and the densities of so many spectra."""
-        frequency, place = np.unique(self.frequency, return_inverse=True)
-        density = np.full((number, frequency.size), np.nan)
-        density[self.spectrum, place] = self.density
-        return frequency, density
+def _lines(connection: duckdb.DuckDBPyConnection, series: NDArray[Any]) -> Iterator[_Line]:
+    """Yield the lines of the spectra that have these numbers in the database."""
+    order = np.argsort(series)
+    ascending = series[order]
+    far = np.flatnonzero(np.diff(ascending) > _READ_ALONG + 1) + 1
+    for stretch in np.split(np.arange(series.size), far):
+        for at in range(0, stretch.size, _SPECTRA_AT_ONCE):
+            part = stretch[at : at + _SPECTRA_AT_ONCE]
+            found = connection.execute(
+                "SELECT series_id, frequency_hz, value FROM psd_lines WHERE series_id BETWEEN $1 AND $2",
+                [int(ascending[part[0]]), int(ascending[part[-1]])],
+            ).fetchnumpy()
+            row, frequency, density = (filled(column) for column in found.values())
+            if np.any((row[1:] < row[:-1]) | ((row[1:] == row[:-1]) & (frequency[1:] < frequency[:-1]))):
+                place = np.lexsort((frequency, row))  # they were written in order, but nobody is bound to
+                row, frequency, density = row[place], frequency[place], density[place]
+            ends = np.searchsorted(row, [ascending[part], ascending[part] + 1]).T
+            for i, (begin, end) in zip(part, ends, strict=True):
+                above = begin + np.searchsorted(frequency[begin:end], 0.0, side="right")
+                yield int(order[i]), frequency[above:end], density[above:end]
 
-    def extremes(
-        self, number: int, bins: int, first: float, last: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the midpoints of bins between two frequencies, and the extreme densities in each."""
-        place = bins * np.log(self.frequency / first) / np.log(last / first)
-        place = self.spectrum * bins + np.minimum(place, bins - 1).astype(np.intp)
-        there = ~np.isnan(self.density)
-        ends = np.full((number * bins, 2), (np.inf, -np.inf))
-        np.minimum.at(ends[:, 0], place[there], self.density[there])
-        np.maximum.at(ends[:, 1], place[there], self.density[there])
-        midpoints = first * (last / first) ** ((np.arange(bins) + 0.5) / bins)
-        return midpoints, ends.reshape(number, bins, 2)
+
+def _all(lines: Iterator[_Line], number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the frequencies of so many spectra, and the density of each there."""
+    held = list(lines)
+    frequency = np.unique(np.concatenate([each for _, each, _ in held]))
+    density = np.full((number, frequency.size), np.nan)
+    for place, own, found in held:
+        density[place, slice(None) if own.size == frequency.size else np.searchsorted(frequency, own)] = found
+    return frequency, density
+
+
+def _extremes(
+    lines: Iterator[_Line], number: int, bins: int, first: float, last: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the midpoints of bins between two frequencies, and the least and largest density in each."""
+    density = np.full((number, bins, 2), np.nan)
+    grid = np.empty(0)
+    for place, frequency, found in lines:
+        if not np.array_equal(frequency, grid):
+            grid = frequency
+            within = bins * np.log(frequency / first) / np.log(last / first)
+            there, starts = np.unique(np.clip(within, 0, bins - 1).astype(np.intp), return_index=True)
+        if grid.size:
+            density[place, there, 0] = np.fmin.reduceat(found, starts)
+            density[place, there, 1] = np.fmax.reduceat(found, starts)
+    return first * (last / first) ** ((np.arange(bins) + 0.5) / bins), density.reshape(number, 2 * bins)
 
 
 def _decibels(ratio: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -56,27 +56,31 @@ def shown(path: Path) -> tuple[str, ...]:
 def page(connection: duckdb.DuckDBPyConnection) -> str:
     """Return the page."""
     row = connection.execute("SELECT study FROM runs ORDER BY sequence DESC LIMIT 1").fetchone()
+    said = {
+        "study": str(row[0] if row and row[0] else "results"),
+        "snapshot": " ".join(database.snapshot(connection)),
+        "verdicts": summary.verdicts(connection),
+        "sentences": summary.summary(connection),
+        "missing": summary.missing(connection),
+        "tables": [
+            *(
+                compare.error_table(connection, pair, by)
+                for pair in compare.pairs(connection)
+                for by in _groupings(connection, pair)
+            ),
+            compare.cost_table(connection, by_case=True),
+        ],
+        "provenance": provenance.tables(connection),
+    }
+    # Last: narrow-band lines fill what DuckDB may hold, and then every query takes half as long again.
     drawn = page_data.data(connection)
     return (
         _environment()
         .get_template("report.html")
         .render(
-            study=str(row[0] if row and row[0] else "results"),
-            snapshot=" ".join(database.snapshot(connection)),
+            said,
             data=drawn,
             thinned=_thinned(drawn["lines"]),
-            verdicts=summary.verdicts(connection),
-            sentences=summary.summary(connection),
-            missing=summary.missing(connection),
-            tables=[
-                *(
-                    compare.error_table(connection, pair, by)
-                    for pair in compare.pairs(connection)
-                    for by in _groupings(connection, pair)
-                ),
-                compare.cost_table(connection, by_case=True),
-            ],
-            provenance=provenance.tables(connection),
             style=Markup(_text("report.css")),
             scripts=[Markup(_text(name)) for name in _SCRIPTS],
             plotly=Markup(_plotly()),

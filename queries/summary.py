@@ -20,12 +20,12 @@ PLACES = {
 def summary(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> list[str]:
     """Return what the data say, in sentences: error and cost of every approach, and what is missing."""
     sentences = []
-    against = reference(connection)
+    against, spent = reference(connection), _spent(connection)
     for pair in pairs(connection):
-        approach = pair.approach
+        approach = str(pair.approach)
         places = errors(connection, pair, ("receiver",), contribution)
         whole = errors(connection, pair, (*varying(connection), "receiver"), contribution)
-        name, other = _label(str(approach)), approach_line(against).label
+        name, other = _label(approach), approach_line(against).label
         if not places:
             sentences.append(f"{name} cannot be compared with the {other}: no case has results of both.")
             continue
@@ -41,18 +41,28 @@ def summary(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic"
             f"the largest difference of a band is {decibels(largest.largest)} dB at "
             f"{band(largest.largest_band_hz)} Hz ({where}, {largest.group[-1]})."
         )
-        row = connection.execute(
-            "SELECT avg(cpu_s), avg(speed_up), avg(marginal_speed_cpu_s), avg(marginal_speed_up) FROM "
-            "runtime WHERE approach = ?",
-            [approach],
-        ).fetchone()
-        if row and row[1] is not None:
-            sentence += f" It costs {number(row[0])} CPU seconds per case, {_ratio(row[1], other)}"
-            if row[3] is not None:
-                sentence += f"; one more speed costs {number(row[2])} CPU seconds, {_ratio(row[3], other)}"
+        cpu, faster, more, more_faster = spent.get(approach, _NOTHING)
+        if faster is not None:
+            sentence += f" It costs {number(cpu)} CPU seconds per case, {_ratio(faster, other)}"
+            if more_faster is not None:
+                sentence += f"; one more speed costs {number(more)} CPU seconds, {_ratio(more_faster, other)}"
             sentence += "."
         sentences.append(sentence)
     return sentences
+
+
+_Spent = tuple[float | None, float | None, float | None, float | None]
+"""CPU seconds of a case and how much faster that is than the reference; the same of one more speed."""
+_NOTHING: _Spent = (None, None, None, None)
+
+
+def _spent(connection: duckdb.DuckDBPyConnection) -> dict[str, _Spent]:
+    """Return what a case takes by each approach, mean over all cases."""
+    rows = connection.execute(
+        "SELECT approach, avg(cpu_s), avg(speed_up), avg(marginal_speed_cpu_s), avg(marginal_speed_up) "
+        "FROM runtime GROUP BY approach"
+    ).fetchall()
+    return {approach: (cpu, faster, more, more_faster) for approach, cpu, faster, more, more_faster in rows}
 
 
 def missing(connection: duckdb.DuckDBPyConnection) -> list[str]:
@@ -85,24 +95,23 @@ def _ratio(times: float, against: str) -> str:
 
 def verdicts(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> Table:
     """Return error and cost of every approach at a glance, and from which band up it may be trusted."""
-    against = reference(connection)
+    against, spent = reference(connection), _spent(connection)
+    places = " ".join(f"WHEN {condition} THEN '{place}'" for place, condition in PLACES.items())
     rows = []
     for pair in pairs(connection):
+        found = connection.execute(
+            f"SELECT CASE {places} END AS place, band_hz, avg(abs(difference_db)), count(*) "
+            f"FROM ({pair.rows}) WHERE averaging = 'line' AND contribution = ${len(pair.given) + 1} "
+            "AND difference_db IS NOT NULL GROUP BY place, band_hz ORDER BY band_hz DESC",
+            [*pair.given, contribution],
+        ).fetchall()
         cells = []
         for place in PLACES:
-            found = connection.execute(
-                f"SELECT band_hz, avg(abs(difference_db)), count(*) FROM ({pair.rows}) "
-                f"WHERE averaging = 'line' AND contribution = ${len(pair.given) + 1} "
-                f"AND difference_db IS NOT NULL AND {PLACES[place]} "
-                "GROUP BY band_hz ORDER BY band_hz DESC",
-                [*pair.given, contribution],
-            ).fetchall()
-            cells += [_mean(found), _trusted(found)]
-        cost = connection.execute(
-            "SELECT avg(cpu_s), avg(speed_up), avg(marginal_speed_up) FROM runtime WHERE approach = $1",
-            [pair.approach],
-        ).fetchone() or (None, None, None)
-        rows.append((approach_line(str(pair.approach)).label, *cells, number(cost[0]), *map(times, cost[1:])))
+            there = [row[1:] for row in found if row[0] == place]
+            cells += [_mean(there), _trusted(there)]
+        cpu, faster, _, more_faster = spent.get(str(pair.approach), _NOTHING)
+        label = approach_line(str(pair.approach)).label
+        rows.append((label, *cells, number(cpu), times(faster), times(more_faster)))
     return Table(
         title=f"Against the {approach_line(against).label}, at a glance",
         columns=(
