@@ -3,11 +3,12 @@
 Receivers of one class have the same nodes, and so all but their own values in common. Which wave's phase is
 best taken out before interpolating differs between panels, as fast waves do not reach far beyond their own
 wavenumber, and between those that do lies what is slowest to turn: slownesses all over the range are tried
-on every panel, first at the highest place, where most waves lie between track and receiver, and elsewhere
-only those that pass there.
+on every panel, first on some nodes at the highest place, where most waves lie between track and receiver, and
+the best of them everywhere.
 """
 
 from collections.abc import Sequence
+from functools import partial
 
 import numba
 import numpy as np
@@ -24,6 +25,8 @@ _TRIED = 10
 """Slownesses that are tried."""
 _SLOWEST = 1.1
 """The largest of them, over that of the slowest body wave: a surface wave is slower."""
+_EVERY = 4
+"""One node of so many tells which slownesses are worth a look at all."""
 _NOTHING = 1e-8
 """Share of the peak below which errors do not count."""
 
@@ -114,55 +117,62 @@ class Halfway:
             worst = float((np.abs(found - direct) / size).max())
             return (np.zeros(panels), worst) if must or worst <= tolerance else None
         tried = self._slownesses if distance > 0.0 else np.zeros(1)
+        check = partial(self._errors, rows, direct, size, distance)
         everywhere = tried[:, None].repeat(panels, axis=1)
-        highest = self._errors(slice(-1, None), rows, direct, size, everywhere, distance)
+        highest = check(slice(-1, None), slice(1, None, _EVERY), everywhere)
         if not must and highest.min(axis=0).max() > tolerance:
             return None
         best, error = np.zeros(panels), np.full(panels, np.inf)
         while True:
             candidate = highest.argmin(axis=0)
-            own = highest[candidate, np.arange(panels)]
-            better = (own < error) & (error > _GOOD * tolerance)
-            if not better.any():
+            promised = highest[candidate, np.arange(panels)]
+            (open_,) = np.nonzero((promised < error) & (error > _GOOD * tolerance))
+            if not open_.size:
                 break
-            slowness = np.where(better, tried[candidate], best)
-            (others,) = self._errors(slice(0, -1), rows, direct, size, slowness[None, :], distance)
-            most = np.maximum(own, others)
-            highest[candidate[better], np.flatnonzero(better)] = np.inf
-            better &= most < error
-            best, error = np.where(better, slowness, best), np.where(better, most, error)
+            slowness = tried[candidate[open_]]
+            nodes = (ORDER * open_[:, None] + np.arange(ORDER)).ravel()
+            (most,) = check(slice(None), nodes if open_.size < panels else slice(None), slowness[None, :])
+            highest[candidate[open_], open_] = np.inf
+            better = most < error[open_]
+            best[open_[better]], error[open_[better]] = slowness[better], most[better]
         worst = float(error.max())
         return (best, worst) if must or worst <= tolerance else None
 
     def _errors(
         self,
-        which: slice,
         rows: Sequence[np.ndarray],
         direct: np.ndarray,
         size: np.ndarray,
-        slownesses: np.ndarray,
         distance: float,
+        which: slice,
+        nodes: slice | np.ndarray,
+        slownesses: np.ndarray,
     ) -> np.ndarray:
-        """Return the largest relative errors at some of the places with waves taken out, (sets, panels).
+        """Return the largest relative errors at some places and nodes with waves taken out, (sets, panels).
 
         `slownesses` are sets of those of the panels' waves, of the same shape.
         """
         first = self._first[which]
         own = slice(first[0], first[-1] + STENCIL)
-        value = np.array(rows[own]) * self._inverse[own]
+
+        def some(values: np.ndarray) -> np.ndarray:
+            return np.ascontiguousarray(values[:, nodes])
+
+        value = np.array([row[nodes] for row in rows[own]]) * self._inverse[own][:, nodes]
         return np.asarray(
             _largest_errors(
                 value.view(float),
-                self._row_beta[own],
+                some(self._row_beta[own]),
                 self._row_omega[own],
                 first - own.start,
                 self._weight[which],
-                self._beta[which],
+                some(self._beta[which]),
                 self._omega[which],
-                self._force[which].view(float),
-                direct[which].view(float),
-                size[which],
-                slownesses.repeat(ORDER, axis=1),
+                some(self._force[which]).view(float),
+                some(direct[which]).view(float),
+                some(size[which]),
+                slownesses.repeat(value.shape[1] // slownesses.shape[1], axis=1),
+                slownesses.shape[1],
                 distance,
             )
         )
@@ -170,7 +180,7 @@ class Halfway:
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _largest_errors(
-    value, row_beta, row_omega, first, weight, beta, omega, force, direct, size, slowness, distance
+    value, row_beta, row_omega, first, weight, beta, omega, force, direct, size, slowness, panels, distance
 ):
     """Return the largest relative error of each panel at some places with waves taken out, (sets, panels).
 
@@ -178,7 +188,8 @@ def _largest_errors(
     and by `force`; complex numbers are real and imaginary parts in turn.
     """
     nodes = beta.shape[1]
-    out = np.empty((slowness.shape[0], nodes // ORDER))
+    own = nodes // panels
+    out = np.empty((slowness.shape[0], panels))
     term = np.empty((2, nodes))
     total = np.empty((2, nodes))
     for c in range(slowness.shape[0]):
@@ -204,6 +215,6 @@ def _largest_errors(
                 imag = a * force[i, 2 * j + 1] + b * force[i, 2 * j] - direct[i, 2 * j + 1]
                 term[0, j] = (real * real + imag * imag) / (size[i, j] * size[i, j])
             for p in range(out.shape[1]):
-                for j in range(ORDER * p, ORDER * (p + 1)):
+                for j in range(own * p, own * (p + 1)):
                     out[c, p] = max(out[c, p], term[0, j])
     return np.sqrt(out)

@@ -22,6 +22,9 @@ from railvib.vector_math import LANES, exp
 _CHECKS = 5
 _LEVELS_BEYOND, _MOST_LEVELS = 3, 6
 """Levels beyond that of the table, between whose frequencies nothing new is known, and levels at all."""
+_HALVING = 2.0 ** (STENCIL / 2)
+"""How much smaller the error is at least with half the step, for what turns by less than half a turn in one:
+it goes with sinⁿ of half the turn over the step, n being the length of the stencil."""
 _SMALL = 1e-8
 """Of a square's peak, below which errors are relative to that: excitations do not differ by as much."""
 
@@ -67,9 +70,12 @@ def square_level(
         Relative error allowed, beside that of the table.
     """
     first, weight = blocks.stencils(table.block, table.level, blocks.frequency(table.level + 1, place))
-    if _error(first, weight, _square(table.transfer), _square(direct), nothing) <= tolerance:
+    error = _error(first, weight, _square(table.transfer), _square(direct), nothing)
+    if error <= tolerance:
         return table.level
     last = max(table.level, min(table.level + _LEVELS_BEYOND, _MOST_LEVELS))
+    if error <= _HALVING * tolerance:
+        return min(table.level + 1, last)
     for level in range(table.level + 1, last):
         between = blocks.frequency(level + 1, blocks.halfway(table.block, level, _CHECKS))
         first, weight = blocks.stencils(table.block, level, between)
