@@ -19,10 +19,11 @@ from collections.abc import Collection, Mapping
 import numba
 import numpy as np
 
-from railvib import cost
+from railvib import blocks, cost
+from railvib.blocks import combine
 from railvib.excitation import Excitation
-from railvib.panels import FROM_POWERS, ORDER, WEIGHT
-from railvib.squared import same_nodes, squared
+from railvib.panels import FROM_POWERS, ORDER
+from railvib.squared import same_nodes, squares
 from railvib.transfer import Nodes, Receiver, TransferFunction
 from railvib.vector_math import turned
 
@@ -36,8 +37,6 @@ _NODE, _WEIGHT = np.polynomial.legendre.leggauss(_NODES)
 """Nodes of a part: fewer than a panel's, as parts are small against one of their two panels."""
 _LONGEST_PART = 1.25
 """Sum of a part's shares in its panels of κ and β up to which these nodes resolve what is integrated."""
-_NEGLIGIBLE = 1e-16
-"""Share of ∫ |H̃|² below which a panel is passed over: no excitation is stronger than another by that much."""
 
 
 def passage_spectra(
@@ -82,16 +81,17 @@ def passage_spectra(
                     lines = own[slice(*np.searchsorted(own, [start, start + _LINES_AT_ONCE]))]
                     if not lines.size:
                         continue
-                    value = squared([functions[each] for each in members], block, frequency[lines])
-                    value = value.reshape(*value.shape[:2], -1, ORDER)
-                    edge = shared.panel_edges(frequency[lines])
-                    needed = _needed(edge, value)
-                    weight = weights.at(shared, lines, edge, needed.any(axis=0))
-                    integrals = _sums(needed, weight, value)
-                    for receiver, integral in zip(members, integrals, strict=True):
-                        psd[receiver][lines] = integral
-                    spent.evaluations += 2 * value.size
-                    spent.kernel_calls += 1
+                    tables = [squares(functions[each], block) for each in members]
+                    stencils = {
+                        level: blocks.stencils(block, level, frequency[lines])
+                        for level in {each.level for each in tables}
+                    }
+                    panels = [each.panels_at(stencils[each.level][0]) for each in tables]
+                    weight = weights.at(shared, lines, np.max(panels, axis=0))
+                    for receiver, each, needed in zip(members, tables, panels, strict=True):
+                        psd[receiver][lines] = _sums(*stencils[each.level], each.value, needed, weight)
+                    spent.evaluations += 2 * len(members) * weight.size
+                    spent.kernel_calls += len(members)
     return {receiver: each / (train_length * speed) for receiver, each in psd.items()}
 
 
@@ -116,8 +116,8 @@ class _Weights:
         """Let go of all weights but those of some nodes."""
         self._made = {key: made for key, made in self._made.items() if key[0] in nodes}
 
-    def at(self, nodes: Nodes, lines: np.ndarray, edge: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-        """Return the weights at some panels, (lines, panels, order).
+    def at(self, nodes: Nodes, lines: np.ndarray, panels: np.ndarray) -> np.ndarray:
+        """Return the weights of the nodes of the first panels, (lines, panels, order).
 
         Parameters
         ----------
@@ -125,20 +125,20 @@ class _Weights:
             The nodes.
         lines
             Which frequencies, ascending, of the same `_LINES_AT_ONCE`.
-        edge
-            The panels' edges at these, rad/m.
-        wanted
-            At which panels, (lines, panels).
+        panels
+            How many are wanted, (lines,).
         """
         key = nodes, lines.tobytes()
         if key not in self._made:
-            self._made[key] = np.zeros(wanted.shape, bool), np.zeros((*wanted.shape, ORDER))
+            shape = lines.size, nodes.edge.size - 1
+            self._made[key] = np.zeros(shape, bool), np.zeros((*shape, ORDER))
         known, weight = self._made[key]
-        missing = wanted & ~known
+        missing = (np.arange(known.shape[1]) < panels[:, None]) & ~known
         if missing.any():
             moment = np.zeros(weight.shape)
             start = int(lines[0]) // _LINES_AT_ONCE * _LINES_AT_ONCE
             shift = 2.0 * np.pi * self._frequency[lines] / self._speed
+            edge = nodes.panel_edges(self._frequency[lines])
             of, limits = self._excited.edge, self._excited.wavenumbers
             _moments(edge, missing, shift, self._amplitudes(start), lines - start, of, *limits, moment)
             # All together: the last digits of a product may depend on how many rows it has.
@@ -159,39 +159,19 @@ def _distance(receiver: Receiver) -> float:
     return -1.0 if receiver == "rail" else float(receiver)
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _needed(edge, value):
-    """Return which panels hold more than a negligible share of ∫ |H̃|² dκ, (receivers, lines, panels)."""
-    receivers, lines, panels, _ = value.shape
-    needed = np.empty((receivers, lines, panels), np.bool_)
-    share = np.empty(panels)
-    for q in range(receivers):
-        for i in range(lines):
-            total = 0.0
-            for p in range(panels):
-                share[p] = 0.0
-                for n in range(ORDER):
-                    share[p] += WEIGHT[n] * value[q, i, p, n]
-                share[p] *= edge[i, p + 1] - edge[i, p]
-                total += share[p]
-            for p in range(panels):
-                needed[q, i, p] = share[p] >= _NEGLIGIBLE * total
-    return needed
-
-
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
-def _sums(needed, weight, value):
-    """Return the weighted sums of |H̃|² over the nodes of the panels needed, (receivers, lines)."""
-    receivers, lines, panels, _ = value.shape
-    out = np.empty((receivers, lines))
-    for q in range(receivers):
-        for i in range(lines):
+def _sums(first, stencil, value, panels, weight):
+    """Return the weighted sums over nodes of rows interpolated to lines, (lines,)."""
+    out = np.empty(first.shape[0])
+    row = np.empty(value.shape[1])
+    for i in range(first.shape[0]):
+        combine(first[i], stencil[i], value, row[: ORDER * panels[i]])
+        out[i] = 0.0
+        for p in range(panels[i]):
             total = 0.0
-            for p in range(panels):
-                if needed[q, i, p]:
-                    for n in range(ORDER):
-                        total += weight[i, p, n] * value[q, i, p, n]
-            out[q, i] = total
+            for n in range(ORDER):
+                total += weight[i, p, n] * row[ORDER * p + n]
+            out[i] += total
     return out
 
 

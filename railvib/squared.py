@@ -7,6 +7,7 @@ found when the table is made, which knows it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 from weakref import finalize
 
 import numba
@@ -14,7 +15,7 @@ import numpy as np
 
 from railvib import blocks
 from railvib.blocks import STENCIL, combine
-from railvib.panels import NODE, ORDER
+from railvib.panels import NODE, ORDER, WEIGHT
 from railvib.track import Track, load, parameters
 from railvib.transfer import MOST_DECAY, Nodes, Receiver, TransferBlock, TransferFunction
 from railvib.vector_math import LANES, exp
@@ -27,6 +28,9 @@ _HALVING = 2.0 ** (STENCIL / 2)
 it goes with sinⁿ of half the turn over the step, n being the length of the stencil."""
 _SMALL = 1e-8
 """Of a square's peak, below which errors are relative to that: excitations do not differ by as much."""
+
+_NEGLIGIBLE = 1e-16
+"""Share of ∫ |H̃|² below which a panel is passed over: no excitation is stronger than another by that much."""
 
 
 def same_nodes(
@@ -117,22 +121,41 @@ def squared(functions: Sequence[TransferFunction], block: int, frequency: np.nda
     value = np.empty((len(functions), frequency.size, functions[0].blocks[block].transfer.shape[1]))
     stencils: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     for out, function in zip(value, functions, strict=True):
-        table = function.blocks[block]
-        if table.square_level not in stencils:
-            stencils[table.square_level] = blocks.stencils(block, table.square_level, frequency)
-        blocks.combined(*stencils[table.square_level], _squares(table, function.track), out)
+        tabulated = squares(function, block)
+        if tabulated.level not in stencils:
+            stencils[tabulated.level] = blocks.stencils(block, tabulated.level, frequency)
+        blocks.combined(*stencils[tabulated.level], tabulated.value, out)
     return value
 
 
-def _squares(table: TransferBlock, track: Track | None) -> np.ndarray:
-    """Return |H̃|² on frequencies between which it can be interpolated itself, track, decay and all.
+class Squares(NamedTuple):
+    """|H̃|² on frequencies between which it can be interpolated itself."""
+
+    level: int
+    value: np.ndarray
+    """(row, node), m⁴/N²."""
+    panels: np.ndarray
+    """How many panels from β = 0 on hold all of ∫ |H̃|² dβ but a negligible share, (row,)."""
+
+    def panels_at(self, first: np.ndarray) -> np.ndarray:
+        """Return how many panels are needed at lines whose stencils begin at some rows, (lines,)."""
+        return np.asarray(self.panels[first[:, None] + np.arange(STENCIL)].max(axis=1))
+
+
+def squares(function: TransferFunction, block: int) -> Squares:
+    """Return |H̃|² of a receiver on a block's frequencies at its level, track, decay and all.
 
     It is kept with the table, which many cases share.
     """
-    if track not in table.kept:
-        table.kept[track] = _tabulated(table, track)
+    table = function.blocks[block]
+    if function.track not in table.kept:
+        value = _tabulated(table, function.track)
+        ks = blocks.indices(block, table.square_level)
+        edge = table.nodes.panel_edges(blocks.frequency(table.square_level, ks))
+        table.kept[function.track] = Squares(table.square_level, value, _panels(edge, value))
         table.forget_reduced()
-    return np.asarray(table.kept[track])
+    kept: Squares = table.kept[function.track]
+    return kept
 
 
 def _tabulated(table: TransferBlock, track: Track | None) -> np.ndarray:
@@ -250,3 +273,23 @@ def _nodes_below(last, edge, beta):
             beta[end * ORDER + j] = middle + half * NODE[j]
         end += 1
     return end * ORDER
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _panels(edge, value):
+    """Return how many panels hold all of ∫ |H̃|² dβ but a negligible share, (rows,)."""
+    rows, edges = edge.shape
+    out = np.empty(rows, np.int64)
+    share = np.empty(edges - 1)
+    for i in range(rows):
+        total = 0.0
+        for p in range(edges - 1):
+            share[p] = 0.0
+            for n in range(ORDER):
+                share[p] += WEIGHT[n] * value[i, p * ORDER + n]
+            share[p] *= edge[i, p + 1] - edge[i, p]
+            total += share[p]
+        out[i] = edges - 1
+        while out[i] > 0 and share[out[i] - 1] < _NEGLIGIBLE * total:
+            out[i] -= 1
+    return out
