@@ -19,7 +19,7 @@ from collections.abc import Collection, Mapping
 import numba
 import numpy as np
 
-from railvib import blocks, cost
+from railvib import blocks, cost, threads
 from railvib.blocks import combine
 from railvib.excitation import Excitation
 from railvib.panels import FROM_POWERS, ORDER
@@ -142,7 +142,12 @@ class _Weights:
             of, limits = self._excited.edge, self._excited.wavenumbers
             _moments(edge, missing, shift, self._amplitudes(start), lines - start, of, *limits, moment)
             # All together: the last digits of a product may depend on how many rows it has.
-            weight[missing] = (moment @ FROM_POWERS)[missing]
+            with threads.single():
+                made = (moment.reshape(-1, ORDER) @ FROM_POWERS).reshape(moment.shape)
+            if known.any():
+                weight[missing] = made[missing]
+            else:
+                weight[:] = made
             known |= missing
         return weight
 
@@ -190,6 +195,9 @@ def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, o
     series = np.zeros((2 * ORDER, _PARTS))
     power = np.empty(_PARTS)
     moment = np.empty((ORDER, _PARTS))
+    over_width = np.empty(beta_edge.shape[0] - 1)
+    for b in range(over_width.shape[0]):
+        over_width[b] = 1.0 / (beta_edge[b + 1] - beta_edge[b])
     count = np.int64(0)  # a literal, here and below, would be a type of its own, and compiled twice
     for i in range(lines):
         for side in (-1.0, 1.0):
@@ -199,6 +207,7 @@ def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, o
                     continue
                 low = edge[i, p]
                 high = edge[i, p + 1]
+                over = 1.0 / (high - low)
                 start = low
                 while high - start > tiny:
                     b, backward, end, below = _excited_panel(beta_edge, start, side, shift[i], tiny, below)
@@ -207,8 +216,8 @@ def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, o
                         continue
                     if end > high - tiny:
                         end = high
-                    scale = 2.0 / (beta_edge[b + 1] - beta_edge[b])
-                    if (end - start) * (0.5 * scale + 1.0 / (high - low)) > _LONGEST_PART:
+                    scale = 2.0 * over_width[b]
+                    if (end - start) * (0.5 * scale + over) > _LONGEST_PART:
                         end = 0.5 * (start + end)
                     centre = 0.5 * (start + end)
                     half = 0.5 * (end - start)
@@ -219,8 +228,8 @@ def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, o
                     # Where the part's nodes lie on the panels of β and of κ: offset and slope.
                     place[0, count] = (abs(beta) - beta_edge[b]) * scale - 1.0
                     place[1, count] = (-side if backward else side) * half * scale
-                    place[2, count] = 2.0 * (centre - low) / (high - low) - 1.0
-                    place[3, count] = 2.0 * half / (high - low)
+                    place[2, count] = 2.0 * (centre - low) * over - 1.0
+                    place[3, count] = 2.0 * half * over
                     place[4, count] = half
                     here = amplitude[rows[i], 1 if backward else 0, b]
                     for n in range(2 * ORDER):
