@@ -12,7 +12,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 from weakref import finalize
 
@@ -50,6 +50,8 @@ class Written:
         The sha256 of the group's attributes and of all that Zarr says of its arrays.
     group_metadata
         The sha256 of the group's own metadata, which repeat all of that: a reader needs no others.
+    attributes
+        Its attributes as JSON.
     objects
         What it consists of.
     bytes_written
@@ -60,6 +62,7 @@ class Written:
     arrays: dict[str, dict[str, Any]]
     metadata: str
     group_metadata: str
+    attributes: bytes
     objects: Mapping[str, bytes | memoryview]
     bytes_written: int
 
@@ -88,6 +91,7 @@ class Writer:
     def __init__(self, home: records.Home) -> None:
         self._home = home
         self._stored: dict[tuple[str, int], _Stored] = {}
+        self._ensured: set[str] = set()
 
     def __call__(self, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
         """Write `result`, a frozen dataclass of arrays.
@@ -114,16 +118,19 @@ class Writer:
             else:
                 encoded[each], checksums[each] = known.objects, known.checksum
                 same |= {f"{each}/{key}": f"{known.key}/{key}" for key in known.objects}
+        said = zarr_form.encode_attributes({**attributes, **extra})
         objects: dict[str, bytes | memoryview] = {
-            zarr_form.METADATA: zarr_form.encode_group(encoded, {**attributes, **extra}),
+            zarr_form.METADATA: zarr_form.encode_group(encoded, said),
             **{f"{each}/{key}": content for each in encoded for key, content in encoded[each].items()},
         }
-        said = metadata_digest(objects)
-        content = json.dumps([checksums, said], sort_keys=True)
+        metadata_sha = metadata_digest(objects)
+        content = json.dumps([checksums, metadata_sha], sort_keys=True)
         group = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
         place = location.at(self._home)
-        for level in reversed(PurePosixPath(STORE, group).parents[:-1]):
-            place.ensure(f"{level}/zarr.json", _EMPTY_GROUP)  # so that the store can be walked from its root
+        for level in _above(f"{STORE}/{group}"):
+            if level not in self._ensured:  # so that the store can be walked from its root
+                place.ensure(f"{level}/{zarr_form.METADATA}", _EMPTY_GROUP)
+                self._ensured.add(level)
         written = place.put(f"{STORE}/{group}", objects, same)
         for each, (array, _) in arrays.items():
             if before[each] is None:
@@ -131,7 +138,13 @@ class Writer:
                 self._stored[key] = _Stored(encoded[each], checksums[each], f"{STORE}/{group}/{each}")
                 finalize(array, self._stored.pop, key, None).atexit = False
         own = hashlib.sha256(objects[zarr_form.METADATA]).hexdigest()
-        return Written(group, checksums, said, own, objects, written)
+        return Written(group, checksums, metadata_sha, own, said, objects, written)
+
+
+def _above(key: str) -> list[str]:
+    """Return the keys of the groups above one, the root first."""
+    parts = key.split("/")[:-1]
+    return ["/".join(parts[:number]) for number in range(1, len(parts) + 1)]
 
 
 def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
@@ -170,13 +183,13 @@ def read(
 
 def restored(written: Written, kind: type[Result]) -> Result:
     """Return what was written as `read` does, from the same bytes, which are in memory still."""
-    said, attributes = zarr_form.decode_group(written.objects[zarr_form.METADATA])
     found = compared.held(written.arrays)
     for name, recorded in written.arrays.items():
         if name not in found:
-            found[name], chunks = zarr_form.decode_array(name, said[name], written.objects)
+            said = json.loads(bytes(written.objects[f"{name}/{zarr_form.METADATA}"]))
+            found[name], chunks = zarr_form.decode_array(name, said, written.objects)
             compared.remember(found[name], chunks, recorded)
-    return _result(kind, found, attributes)
+    return _result(kind, found, json.loads(written.attributes))
 
 
 def _result(kind: type[Result], found: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]) -> Result:

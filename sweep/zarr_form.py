@@ -11,6 +11,7 @@ this form to.
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from math import ceil, prod
 from typing import Any
 
@@ -21,12 +22,16 @@ from numpy.typing import NDArray
 _CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "crc32c"}]
 """Complex fields do not compress; the checksum shows a torn chunk to any reader."""
 _CRC_BYTES = 4
+_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 _SEPARATOR = "."
 """In the keys of chunks. A slash, the format's default, makes two more folders of each array."""
 
 METADATA = "zarr.json"
 """Key of what is said of a group or of an array, below its own."""
-_REPEATED = b',"consolidated_metadata":{"kind":"inline","must_understand":false,"metadata":{%b}}'
+_GROUP = (
+    b'{"zarr_format":3,"node_type":"group","attributes":%b,'
+    b'"consolidated_metadata":{"kind":"inline","must_understand":false,"metadata":{%b}}}'
+)
 
 
 Objects = Mapping[str, bytes | bytearray | memoryview]
@@ -54,18 +59,22 @@ def encode_array(
     return objects
 
 
-def encode_group(arrays: Mapping[str, Objects], attributes: Mapping[str, Any]) -> bytes:
-    """Return the metadata of a group of arrays, with attributes that JSON can hold.
+def encode_attributes(attributes: Mapping[str, Any]) -> bytes:
+    """Return the attributes of a group as JSON.
 
     Raises
     ------
     TypeError, ValueError
         If an attribute cannot be stored.
     """
-    group = {"zarr_format": 3, "node_type": "group", "attributes": dict(attributes)}
+    return _json(dict(attributes))
+
+
+def encode_group(arrays: Mapping[str, Objects], attributes: bytes) -> bytes:
+    """Return the metadata of a group of arrays and encoded attributes."""
     # What is said of the arrays is repeated, an extension of the format for which xarray looks.
-    repeated = b",".join(b"%b:%b" % (_json(name), bytes(array[METADATA])) for name, array in arrays.items())
-    return _json(group)[:-1] + _REPEATED % repeated + b"}"
+    repeated = b",".join(b"%b:%b" % (_quoted(name), bytes(array[METADATA])) for name, array in arrays.items())
+    return _GROUP % (attributes, repeated)
 
 
 def decode_group(content: bytes | bytearray | memoryview) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -180,5 +189,10 @@ def _crc(data: NDArray[np.uint8]) -> bytes:
     return checksum.to_bytes(_CRC_BYTES, "little")
 
 
+@lru_cache(256)
+def _quoted(name: str) -> bytes:
+    return _json(name)
+
+
 def _json(value: Any) -> bytes:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    return _ENCODER.encode(value).encode()
