@@ -1,6 +1,6 @@
-"""What a worker keeps at hand of results, within a number of bytes.
+"""What a worker keeps at hand: results within a number of bytes, and small things by their number.
 
-Only what is in use is measured again and again: all else cannot grow.
+Only results in use are measured again and again: all others cannot grow.
 """
 
 import dataclasses
@@ -9,9 +9,12 @@ from collections import Counter, OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 CACHE_BYTES = 128 * 2**20
 """What a worker keeps of the results that it has stored or read, for the tasks that follow."""
@@ -19,6 +22,21 @@ UNMEASURED = 16
 """Results that are held before those in use are measured anew, as what is derived from them grows."""
 ROOM = 0.9
 """Share of the cache that is left in use when it is full."""
+
+
+class Latest(dict[Key, Value]):
+    """The entries that were set last, up to a number of them."""
+
+    def __init__(self, most: int) -> None:
+        super().__init__()
+        self._most = most
+
+    def __setitem__(self, key: Key, value: Value) -> None:
+        """Set an entry, and drop the one set longest ago where there are too many."""
+        self.pop(key, None)  # what is set again goes last
+        super().__setitem__(key, value)
+        if len(self) > self._most:
+            del self[next(iter(self))]
 
 
 class _Sized(NamedTuple):

@@ -13,11 +13,13 @@ from weakref import WeakValueDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from sweep.cache import Latest
+
 REMEMBERED = 4096
 """Arrays, at a few hundred bytes each, whose chunks' checksums are kept."""
 
 _in_memory: "WeakValueDictionary[str, NDArray[Any]]" = WeakValueDictionary()
-_chunks: dict[str, bytes] = {}
+_chunks: Latest[str, bytes] = Latest(REMEMBERED)
 
 
 def checksum(array: NDArray[Any]) -> dict[str, Any]:
@@ -41,10 +43,7 @@ def remember(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) ->
     """Keep in mind that an array is the recorded one, and the checksums of its chunks."""
     key = _key(recorded)
     _in_memory[key] = array
-    _chunks.pop(key, None)
-    _chunks[key] = chunks  # behind all others: the first goes first
-    if len(_chunks) > REMEMBERED:
-        del _chunks[next(iter(_chunks))]
+    _chunks[key] = chunks
 
 
 def unchanged(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> bool:

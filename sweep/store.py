@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 STORE = "transfer_functions.zarr"
 CHUNK_BYTES = 64 * 2**20
+RECORDED = ("group", "arrays", "metadata", "group_metadata")
+"""What a record holds of a group."""
 _DIGITS = 16
 """Of the digest in a group's name, hexadecimal."""
 _EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
@@ -68,7 +70,7 @@ class Written:
 
     def recorded(self) -> dict[str, Any]:
         """Return what a record holds of it, to read it again and to compare it."""
-        return {name: getattr(self, name) for name in ("group", "arrays", "metadata", "group_metadata")}
+        return {name: getattr(self, name) for name in RECORDED}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -22,7 +22,7 @@ import railvib
 from railvib import cost
 from railvib.errors import PlausibilityWarning
 from sweep import records, space, store
-from sweep.cache import CACHE_BYTES, Cache
+from sweep.cache import CACHE_BYTES, Cache, Latest
 from sweep.host import host_class
 from sweep.kinds import AccuracyWarning, Kind, Unit, registry
 
@@ -99,12 +99,17 @@ class WithdrawnError(Exception):
     """A stored result was found damaged; its record has been taken back."""
 
 
+REMEMBERED = 1024
+"""Units, at a few kilobytes each, of whose records a worker remembers where and what the results are."""
+
 _cache = Cache(CACHE_BYTES)
+_recorded: Latest[tuple[str, str], tuple[str, dict[str, Any]]] = Latest(REMEMBERED)
 
 
 def forget() -> None:
-    """Let go of what is held for further tasks of this process."""
+    """Let go of what is held and remembered for further tasks of this process."""
     _cache.clear()
+    _recorded.clear()
 
 
 def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
@@ -199,6 +204,7 @@ def _record(
             kind = kinds[unit.kind]
             if first and kind.scope(unit.inputs) != "case":  # what belongs to one case no other task reads
                 _hold(unit, place, store.restored(written, kind.result))
+                _recorded[place.directory, unit.id] = home, written.recorded()
             yield first, written.bytes_written, cautions
             records.forget_failure(place.directory, unit.id)
 
@@ -223,23 +229,35 @@ class Reader:
             return held
         with cost.stage("load"):
             try:
-                found = self._place.find(unit)
-                if found is None:
-                    raise store.DamagedError(f"{unit.kind}/{unit.id}: has no record that can be read")
-                home, record = found
-                result: Any = store.read(
-                    home,
-                    record["group"],
-                    self._kinds[unit.kind].result,
-                    record["arrays"],
-                    record.get("metadata"),
-                    record.get("group_metadata"),
-                )
+                result = self._remembered(unit)
+                if result is None:
+                    result = self._found(unit)
             except store.DamagedError as error:
                 for home in self._place.homes:
                     records.withdraw(home, unit.kind, unit.id)
                 raise WithdrawnError(str(error)) from error
         _hold(unit, self._place, result)
+        return result
+
+    def _remembered(self, unit: Unit) -> Any:
+        """Return a result by what is remembered of its record; None if nothing is, or that stands no more."""
+        remembered = _recorded.pop((self._place.directory, unit.id), None)
+        if remembered is None:
+            return None
+        with contextlib.suppress(store.DamagedError):
+            return self._read(unit, *remembered)
+
+    def _found(self, unit: Unit) -> Any:
+        """Return a result by its record."""
+        found = self._place.find(unit)
+        if found is None:
+            raise store.DamagedError(f"{unit.kind}/{unit.id}: has no record that can be read")
+        home, record = found
+        return self._read(unit, home, {name: record.get(name) for name in store.RECORDED})
+
+    def _read(self, unit: Unit, home: str, recorded: dict[str, Any]) -> Any:
+        result: Any = store.read(home, kind=self._kinds[unit.kind].result, **recorded)
+        _recorded[self._place.directory, unit.id] = home, recorded
         return result
 
 

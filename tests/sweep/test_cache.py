@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from sweep.cache import UNMEASURED, Cache
+from sweep.cache import UNMEASURED, Cache, Latest
 
 NUMBERS = 1000
 BYTES = 8 * NUMBERS
@@ -98,3 +98,12 @@ def test_a_result_that_was_let_go_between_is_measured_when_it_is_used_again(shar
     later = filled(cache, UNMEASURED, shared, start=20)
     assert cache.get(("home", "4")) is None
     assert held(cache, later) == list(later)
+
+
+def test_of_small_things_those_set_last_are_kept():
+    latest = Latest(2)
+    for key in "abacb":
+        latest[key] = key
+    assert latest == {"c": "c", "b": "b"}
+    latest["c"] = latest["d"] = "d"
+    assert list(latest) == ["c", "d"]

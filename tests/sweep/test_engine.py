@@ -1,4 +1,5 @@
 import os
+import shutil
 from collections import Counter
 
 import numpy as np
@@ -6,6 +7,7 @@ import psutil
 import pytest
 
 from sweep import cluster, engine, plan, records, store, task
+from sweep.cache import Cache
 from sweep.task import Place
 from tests.sweep import toy
 
@@ -87,6 +89,51 @@ def test_of_a_result_that_came_second_nothing_is_held(tmp_path):
         assert task.execute("square", [unit], place).computed == 0
     assert find is Place.find
     np.testing.assert_array_equal(task.Reader(place, toy.KINDS)(unit).value, other.value)
+
+
+@pytest.fixture
+def remembered(tmp_path, monkeypatch):
+    """A unit that this process has computed, and remembers, but does not hold."""
+    monkeypatch.setattr(task, "_cache", Cache(0))
+    unit = toy.square(1)
+    run(tmp_path, [unit], engine.ThisProcess())
+    return unit, records.find(tmp_path, unit.kind, unit.id)
+
+
+def read(directory, unit):
+    return task.Reader(Place(str(directory), "run-1", toy.__name__), toy.KINDS)(unit).value
+
+
+def test_a_record_is_read_once(tmp_path, remembered, monkeypatch):
+    unit, _ = remembered
+    task.forget()
+    looked_for = []
+    find = records.find
+    monkeypatch.setattr(records, "find", lambda *key: looked_for.append(key) or find(*key))
+    for _ in range(3):
+        np.testing.assert_array_equal(read(tmp_path, unit), [1, 4, 9])
+    assert len(looked_for) == 1
+
+
+def test_a_record_that_has_been_replaced_since_gives_way_to_the_one_that_stands(tmp_path, remembered):
+    unit, record = remembered
+    other = store.write(tmp_path, "square/other", toy.Numbers(np.full(3, 7.0), "another", (1, 2)), {})
+    shutil.rmtree(tmp_path / store.STORE / record["group"])
+    records.withdraw(tmp_path, unit.kind, unit.id)
+    records.commit(tmp_path, {**record, **other.recorded()})
+    for _ in range(2):
+        np.testing.assert_array_equal(read(tmp_path, unit), np.full(3, 7.0))
+
+
+def test_what_is_remembered_of_a_damaged_result_is_withdrawn_with_it(tmp_path, remembered):
+    unit, record = remembered
+    chunk = tmp_path / store.STORE / record["group"] / "value" / "c.0"
+    chunk.write_bytes(chunk.read_bytes()[::-1])
+    with pytest.raises(task.WithdrawnError, match="torn or altered"):
+        read(tmp_path, unit)
+    assert records.find(tmp_path, unit.kind, unit.id) is None
+    with pytest.raises(task.WithdrawnError, match="no record"):
+        read(tmp_path, unit)
 
 
 def test_what_is_released_goes_first(tmp_path):

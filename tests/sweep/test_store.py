@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sweep import compared, store, zarr_form
+from sweep.cache import Latest
 
 
 @dataclass(frozen=True)
@@ -329,7 +330,7 @@ def hashed(monkeypatch):
     shapes = []
     checksum = compared.checksum
     monkeypatch.setattr(compared, "checksum", lambda array: shapes.append(array.shape) or checksum(array))
-    monkeypatch.setattr(compared, "_chunks", {})
+    monkeypatch.setattr(compared, "_chunks", Latest(compared.REMEMBERED))
     return shapes
 
 
@@ -350,7 +351,7 @@ def test_what_this_process_has_written_and_restored_is_not_hashed(tmp_path, spec
 
 
 def test_the_arrays_remembered_are_limited(tmp_path, spectrum, hashed, monkeypatch):
-    monkeypatch.setattr(compared, "REMEMBERED", 2)
+    monkeypatch.setattr(compared, "_chunks", Latest(2))
     written = write(tmp_path, spectrum)
     for _ in range(2):
         assert_equal(whole(tmp_path, written), spectrum)
