@@ -109,8 +109,8 @@ def _interpolated(tables, frequency, wavenumber, out):
             low = min(room[5, i], 1.0) * exp(max(room[5, i] - 1.0, 0.0) * room[3, i])
             high = min(room[6, i], 1.0) * exp(max(room[6, i] - 1.0, 0.0) * room[3, i])
             room[4, i] = (2.0 * room[4, i] - low - high) / (high - low)
-        stencil_weights(LANES, room[2], stencil, room[3])
-        panel_weights(LANES, room[4], basis, room[3])
+        stencil_weights(np.int64(LANES), room[2], stencil, room[3])
+        panel_weights(np.int64(LANES), room[4], basis, room[3])
         for i in range(min(LANES, points - first)):
             out[first + i] = _weighted(tables.value, start[i], width[i], room, i)
 

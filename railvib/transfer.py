@@ -138,16 +138,16 @@ class TransferBlock:
         kept with the table, which many cases share.
         """
         if track not in self._reduced:
-            self._reduced[track] = np.asarray(
-                _reduced(
-                    np.ascontiguousarray(self.transfer).view(float),
-                    _inverse_force(self, track).view(float),
-                    2.0 * np.pi * self.frequency,
-                    self.node_slowness,
-                    np.ascontiguousarray(self.wavenumber),
-                    self.distance,
-                )
-            ).view(complex)
+            value = self.transfer * _inverse_force(self, track)
+            _times_waves(
+                value.view(float),
+                2.0 * np.pi * self.frequency,
+                self.node_slowness,
+                np.ascontiguousarray(self.wavenumber),
+                self.distance,
+                -1.0,
+            )
+            self._reduced[track] = value
         return self._reduced[track]
 
     def forget_reduced(self) -> None:
@@ -240,26 +240,14 @@ class Nodes:
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _reduced(transfer, inverse, omega, slowness, beta, distance):
-    """Return transfer · inverse over the waves' decay, real and imaginary parts in turn, (n, 2·m)."""
-    out = np.empty(transfer.shape)
+def _times_waves(value, omega, slowness, beta, distance, sign):
+    """Multiply by the waves' decay, or divide by it where the sign is −1.
+
+    `value` has real and imaginary parts in turn, (n, 2·m).
+    """
     wave = np.empty((2, beta.shape[1]))
     for i in range(beta.shape[0]):
-        undamped(omega[i], slowness, beta[i], distance, -1.0, wave[0], wave[1])
-        for j in range(beta.shape[1]):
-            a = transfer[i, 2 * j] * inverse[i, 2 * j] - transfer[i, 2 * j + 1] * inverse[i, 2 * j + 1]
-            b = transfer[i, 2 * j] * inverse[i, 2 * j + 1] + transfer[i, 2 * j + 1] * inverse[i, 2 * j]
-            out[i, 2 * j] = a * wave[0, j] - b * wave[1, j]
-            out[i, 2 * j + 1] = a * wave[1, j] + b * wave[0, j]
-    return out
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _times_waves(value, omega, slowness, beta, distance):
-    """Multiply by the waves' decay; `value` has real and imaginary parts in turn, (n, 2·m)."""
-    wave = np.empty((2, beta.shape[1]))
-    for i in range(beta.shape[0]):
-        undamped(omega[i], slowness, beta[i], distance, 1.0, wave[0], wave[1])
+        undamped(omega[i], slowness, beta[i], distance, sign, wave[0], wave[1])
         for j in range(beta.shape[1]):
             a = value[i, 2 * j]
             b = value[i, 2 * j + 1]
@@ -281,6 +269,7 @@ def _carried(first, weight, reduced, edge, omega, slowness, beta, distance):
     wave = np.empty((2, ORDER))
     basis = np.empty((ORDER, 1))
     x = np.empty((2, 1))
+    one = np.int64(1)
     for i in range(beta.shape[0]):
         p = min(max(count_below(edge[i], beta[i]) - 1, 0), edge.shape[1] - 2)
         middle = 0.5 * (edge[i, p + 1] + edge[i, p])
@@ -298,7 +287,7 @@ def _carried(first, weight, reduced, edge, omega, slowness, beta, distance):
         fall = np.sqrt(max(edge[i, p + 1] ** 2 - k * k, 0.0)) - np.sqrt(max(edge[i, p] ** 2 - k * k, 0.0))
         slope = min(fall * distance, MOST_DECAY) / (2.0 * half)
         x[0, 0] = (beta[i] - middle) / half
-        panel_weights(1, x[0], basis, x[1])
+        panel_weights(one, x[0], basis, x[1])
         out[i, 0] = 0.0
         out[i, 1] = 0.0
         for j in range(ORDER):
@@ -343,7 +332,7 @@ _inverse_forces: dict[tuple[int, Track], np.ndarray] = {}
 def _inverse_force(table: TransferBlock, track: Track | None) -> np.ndarray:
     """Return the force on the rail per force on the ground, 1 where the track is not put on the table."""
     if track is None or table.compliance is None:
-        return np.ones(table.transfer.shape, complex)
+        return np.ones(1, complex)
     key = id(table.compliance), track
     if key not in _inverse_forces:
         omega = 2.0 * np.pi * table.frequency[:, None]
@@ -413,7 +402,7 @@ class TransferFunction:
         def carried(rows: np.ndarray) -> np.ndarray:
             value = between(rows)
             omega = 2.0 * np.pi * frequency
-            _times_waves(value.view(float), omega, table.node_slowness, beta, table.distance)
+            _times_waves(value.view(float), omega, table.node_slowness, beta, table.distance, 1.0)
             return value
 
         return beta, _loaded(table, self.track, frequency, beta, between, carried)

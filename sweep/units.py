@@ -8,6 +8,7 @@ cover them.
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
@@ -28,6 +29,7 @@ from railvib.plausibility import check_damping, check_speed
 from railvib.quasi_static import QuasiStatic, highest_left, quasi_static_spectra
 from railvib.receptance import Receptances, highest_tabulated_frequency, tabulated_receptances
 from railvib.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
+from railvib.squared import squares
 from railvib.tabulation import (
     MOST_LEVELS,
     VALUES_AT_ONCE,
@@ -679,6 +681,10 @@ def warm_up() -> None:
                 tolerance=1e-2,
             )
         )
+    # What a table's squares take where they need more frequencies than the table has, as these do not.
+    for unit in [each for each in results if each.kind == "transfer"]:
+        table = replace(results[unit], square_level=results[unit].level + 1)
+        squares(TransferFunction([table], Track(**unit.inputs["track"])), table.block)
 
 
 @cache
