@@ -21,31 +21,82 @@ _FONT = 8.5
 _GRID = "#d9d9d9"
 
 
+class Page(Figure):
+    """A figure of a page's width with panels under a strip for the legend and names of panels.
+
+    Parameters
+    ----------
+    rows, columns
+        Of panels.
+    """
+
+    def __init__(self, rows: int, columns: int) -> None:
+        super().__init__(dpi=DOTS_PER_INCH)
+        FigureCanvasAgg(self)
+        self.panels = [list(row) for row in self.subplots(rows, columns, squeeze=False)]
+        for axis in self.axes:
+            axis.grid(True, which="major", color=_GRID, linewidth=0.6)
+            axis.set_axisbelow(True)
+            axis.tick_params(labelsize=_FONT - 1, direction="out")
+            for side in ("top", "right"):
+                axis.spines[side].set_visible(False)
+
+    @property
+    def form(self) -> tuple[int, int]:
+        """Rows and columns of panels."""
+        return len(self.panels), len(self.panels[0])
+
+    def fit(self, panel_height_in: float, named: bool) -> None:
+        """Give all panels a height, and names a place above them."""
+        rows, columns = self.form
+        edge = _EDGE_IN if named else 0.6 * _EDGE_IN
+        height = rows * panel_height_in + edge + 0.2
+        self.set_size_inches(WIDTH_IN, height)
+        self.subplots_adjust(
+            left=0.085 if columns < 3 else 0.075,
+            right=0.985,
+            bottom=0.42 / height,
+            top=1.0 - edge / height,
+            wspace=0.2,
+            hspace=0.62 / panel_height_in,
+        )
+
+    def empty(self) -> bool:
+        """Take off what has been drawn on the panels, and return whether they are as they were made."""
+        rows, columns = self.form
+        if len(self.axes) != rows * columns or any(
+            axis.collections or axis.images or axis.patches for axis in self.axes
+        ):
+            return False
+        for artist in (*self.legends, *(each for axis in self.axes for each in (*axis.lines, *axis.texts))):
+            artist.remove()
+        for axis in self.axes:
+            axis.set_visible(True)
+            axis.set_title("", loc="left")
+            axis.set(xlabel="", ylabel="", xscale="linear", yscale="linear")
+            axis.relim()
+            axis.autoscale(True)
+        return True
+
+
+_emptied: dict[tuple[int, int], list[Page]] = {}
+"""Pages that have been written, by their rows and columns."""
+
+
 def page(
     rows: int, columns: int, panel_height_in: float = 2.1, named: bool = True
 ) -> tuple[Figure, list[list[Axes]]]:
-    """Return a figure of a page's width with panels under a strip for the legend and names of panels."""
-    edge = _EDGE_IN if named else 0.6 * _EDGE_IN
-    height = rows * panel_height_in + edge + 0.2
-    figure = Figure(figsize=(WIDTH_IN, height), dpi=DOTS_PER_INCH)
-    FigureCanvasAgg(figure)
-    panels = figure.subplots(rows, columns, squeeze=False)
-    figure.subplots_adjust(
-        left=0.085 if columns < 3 else 0.075,
-        right=0.985,
-        bottom=0.42 / height,
-        top=1.0 - edge / height,
-        wspace=0.2,
-        hspace=0.62 / panel_height_in,
-    )
-    axes = [list(row) for row in panels]
-    for axis in (axis for row in axes for axis in row):
-        axis.grid(True, which="major", color=_GRID, linewidth=0.6)
-        axis.set_axisbelow(True)
-        axis.tick_params(labelsize=_FONT - 1, direction="out")
-        for side in ("top", "right"):
-            axis.spines[side].set_visible(False)
-    return figure, axes
+    """Return a page and its panels."""
+    waiting = _emptied.get((rows, columns))
+    figure = waiting.pop() if waiting else Page(rows, columns)
+    figure.fit(panel_height_in, named)
+    return figure, figure.panels
+
+
+def take_back(figure: Figure) -> None:
+    """Take a figure that has been written for the next of its form: panels cost more than their curves."""
+    if isinstance(figure, Page) and figure.empty():
+        _emptied.setdefault(figure.form, []).append(figure)
 
 
 def name_panel(axis: Axes, number: int, text: str, alone: bool = False) -> None:

@@ -44,12 +44,16 @@ class Drawing:
 
 def write(drawing: Drawing, file: Path, kind: str) -> None:
     """Draw a figure into a file of a kind: png, svg or pdf."""
+    from queries import appearance
+
     metadata = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[kind]
     partial = file.with_name(f"{file.name}.partial")
     # Half the time of writing a PNG goes into its last tenth of size.
     options: dict[str, Any] = {"pil_kwargs": {"compress_level": 1}} if kind == "png" else {}
-    drawing.draw().savefig(partial, format=kind, metadata=metadata, **options)
+    figure = drawing.draw()
+    figure.savefig(partial, format=kind, metadata=metadata, **options)
     partial.replace(file)
+    appearance.take_back(figure)
 
 
 def drawn(connection: duckdb.DuckDBPyConnection, folder: Path) -> bool:
