@@ -18,10 +18,6 @@ class Combination:
     unevenness: str
     speed_kmh: float
 
-    def parameters(self, soil: str) -> list[Any]:
-        """Return soil and combination as the parameters of a query over cases."""
-        return [soil, self.track, self.train, self.unevenness, self.speed_kmh]
-
 
 def columns(
     connection: duckdb.DuckDBPyConnection, query: str, given: Sequence[Any] = ()

@@ -173,7 +173,8 @@ def _cases(
     soils: list[str],
     combinations: list[Combination],
 ) -> list[Drawing]:
-    approaches = compare.approaches(connection)
+    approaches, against = compare.approaches(connection), compare.reference(connection)
+    others = [name for name in approaches if name != against]
     lines = set(  # a study may keep narrow-band lines out of the database
         connection.execute(
             "SELECT DISTINCT soil, track, train, unevenness, speed_kmh FROM series JOIN cases USING "
@@ -223,7 +224,7 @@ def _cases(
                     Drawing(
                         names.name(9, "narrow-band", None, case),
                         f"Narrow-band spectrum of the rail velocity: {about}.",
-                        _bind(lambda _: _narrow_band, connection, with_lines, case),
+                        _bind(lambda _: _narrow_band, connection, with_lines, case, (against, *others[:1])),
                     )
                 )
             if on_ground:
@@ -278,27 +279,29 @@ def _worth(
     return plan
 
 
-def _narrow_band(connection: duckdb.DuckDBPyConnection, soils: Sequence[str], case: Combination) -> "Figure":
-    """Draw the rail's narrow-band spectra of the reference and of the first other approach."""
+def _narrow_band(
+    connection: duckdb.DuckDBPyConnection, soils: Sequence[str], case: Combination, approaches: Sequence[str]
+) -> "Figure":
+    """Draw the rail's narrow-band spectra by some approaches, the reference first."""
     from queries import plots
 
-    against = compare.reference(connection)
-    others = [name for name in compare.approaches(connection) if name != against]
+    found = connection.execute(
+        "SELECT soil, approach, min(series_id) FROM series "
+        "JOIN current_units USING (source, unit_id, case_id, approach) JOIN cases USING (case_id) "
+        "WHERE track = $1 AND train = $2 AND unevenness = $3 AND speed_kmh = $4 AND receiver = 'rail' "
+        "AND contribution = 'dynamic' AND averaging = 'line' GROUP BY soil, approach",
+        [case.track, case.train, case.unevenness, case.speed_kmh],
+    ).fetchall()
+    numbers = {(soil, approach): series for soil, approach, series in found}
     spectra: dict[str, dict[str, tuple[NDArray[Any], NDArray[Any]]]] = {}
-    for soil in soils:
-        for approach in (against, *others[:1]):
-            data = columns(
-                connection,
-                "SELECT frequency_hz, value FROM psd JOIN current_units USING (source, unit_id, case_id, "
-                "approach) "
-                "JOIN cases USING (case_id) WHERE soil = $1 AND track = $2 AND train = $3 AND unevenness = "
-                "$4 "
-                "AND speed_kmh = $5 AND approach = $6 AND receiver = 'rail' AND contribution = 'dynamic' "
-                "AND averaging = 'line' ORDER BY frequency_hz",
-                [*case.parameters(soil), approach],
-            )
-            if data["frequency_hz"].size:
-                spectra.setdefault(soil, {})[approach] = (data["frequency_hz"], data["value"])
+    for soil, approach in ((soil, approach) for soil in soils for approach in approaches):
+        data = columns(
+            connection,
+            "SELECT frequency_hz, value FROM psd_lines WHERE series_id = $1 ORDER BY frequency_hz",
+            [numbers.get((soil, approach), -1)],
+        )
+        if data["frequency_hz"].size:
+            spectra.setdefault(soil, {})[approach] = (data["frequency_hz"], data["value"])
     ends = connection.execute("SELECT min(band_hz), max(band_hz) FROM bands").fetchone() or (1.0, 100.0)
     row = connection.execute("SELECT max(length_m) FROM vehicles WHERE train = $1", [case.train]).fetchone()
     first = case.speed_kmh / 3.6 / row[0] if row and row[0] else math.inf

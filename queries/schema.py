@@ -31,7 +31,10 @@ def open_for_writing(path: Path) -> duckdb.DuckDBPyConnection:
     """Return a connection that writes a file in the storage format of the oldest supported reader."""
     # Rows come from NumPy one stretch after the other: more threads would only wait for each other.
     config: dict[str, Any] = {"storage_compatibility_version": STORAGE_VERSION, "threads": 1}
-    return duckdb.connect(str(path), config=config)
+    connection = duckdb.connect(str(path), config=config)
+    # It makes narrow-band lines hardly smaller, and takes an eighth of the time to write them.
+    connection.execute("SET disabled_compression_methods = 'alprd'")
+    return connection
 
 
 def upgrade(connection: duckdb.DuckDBPyConnection) -> None:

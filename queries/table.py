@@ -55,11 +55,13 @@ class Table:
             grid.add_column(
                 Text(printable(heading)), justify="left" if number < self.words else "right", overflow="fold"
             )
-        for row in self.rows:
-            grid.add_row(*(Text(printable(cell)) for cell in row))
-        if (
-            not console.is_terminal
-        ):  # a file has no width: a table goes there as wide as it is, with nothing folded
+        if console.is_terminal:
+            for row in self.rows:
+                grid.add_row(*(Text(printable(cell)) for cell in row))
+        else:  # a file has no width: a table goes there as wide as it is, with nothing folded
+            if self.rows:  # then lines of one row do for many rows, each of which takes half a millisecond
+                columns = zip(*self.rows, strict=True)
+                grid.add_row(*(Text("\n".join(map(printable, column))) for column in columns))
             console = Console(file=console.file, width=_UNBOUNDED)
             console.width = max(console.measure(grid).maximum, len(self.note))
         console.print(grid)

@@ -10,7 +10,7 @@ import psutil
 import pytest
 from click.testing import CliRunner
 
-from queries import cli, database, error_plots, figures, plots
+from queries import appearance, cli, database, error_plots, figures, plots
 from queries.crew import Crew
 from queries.ingest import ingest
 from queries.plots import Combination
@@ -265,3 +265,31 @@ def test_processes_that_draw_end_with_the_one_that_they_draw_for():
     _, alive = psutil.wait_procs(family, timeout=30)
     assert len(family) >= 2
     assert [each for each in alive if each.status() != psutil.STATUS_ZOMBIE] == []
+
+
+def test_figures_on_panels_that_have_been_drawn_on_are_the_same(results, tmp_path):
+    drawings = figures.drawings(results, every=True)
+
+    def pictures(order, kept):
+        made = {}
+        for drawing in order:
+            if not kept:
+                appearance._emptied.clear()
+            figures.write(drawing, tmp_path / "figure.png", "png")
+            made[drawing.name] = (tmp_path / "figure.png").read_bytes()
+        return made
+
+    fresh = pictures(drawings, kept=False)
+    assert pictures(drawings, kept=True) == fresh == pictures(drawings[::-1], kept=True)
+
+
+def test_panels_with_more_than_curves_are_not_drawn_on_again():
+    taken = appearance.page(3, 2)[0]
+    taken.axes[0].pcolormesh(np.ones((2, 2)))
+    other = appearance.page(3, 2)[0]
+    other.axes[0].plot([1.0, 2.0], [3.0, 4.0])
+    for figure in (taken, other):
+        appearance.take_back(figure)
+    assert appearance.page(3, 2)[0] is other
+    assert appearance.page(3, 2)[0] is not taken
+    assert not other.axes[0].lines
