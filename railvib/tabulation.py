@@ -19,7 +19,7 @@ from railvib.halfway import Halfway
 from railvib.panels import nodes_between, unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.squared import square_level
-from railvib.strip import products, strip_compliances
+from railvib.strip import strip_compliances
 from railvib.track import Track, track_response
 from railvib.transfer import TOP, Nodes, Receiver, TransferBlock
 
@@ -166,7 +166,9 @@ class Evaluation:
             spent.kernel_calls += 1
             values = np.empty((1 + self.offsets.size, beta.size), complex)
             values[0] = rail
-            products(np.ascontiguousarray(real), np.ascontiguousarray(imag), force, values[1:].view(float))
+            values[1:].real = real
+            values[1:].imag = imag
+            values[1:] *= force
         return values
 
 

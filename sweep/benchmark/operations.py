@@ -188,7 +188,7 @@ class Complex:
 
 
 def counted(
-    kernel: Callable[..., Any], arguments: tuple[Any, ...], plain: tuple[int, ...] = ()
+    kernel: Callable[..., Any], arguments: tuple[Any, ...], plain: tuple[int, ...] = (), **constants: Any
 ) -> tuple[Any, Count]:
     """Run a compiled kernel on numbers that count; return its result as numbers again, and the count.
 
@@ -200,27 +200,31 @@ def counted(
         What it is called with: arrays and numbers of doubles and complex doubles, and others.
     plain
         Positions of arguments that stay as they are.
+    **constants
+        Constants of the kernel's module that are given other values, such as the length to which it fills up.
     """
     count = Count()
     given = [each if i in plain else _counting(each, count) for i, each in enumerate(arguments)]
     with np.errstate(all="ignore"):
-        result = _interpreted(kernel, {})(*given)
+        result = _interpreted(kernel, {}, constants)(*given)
     return _numbers(result), count
 
 
-def _interpreted(kernel: Any, made: dict[Any, Callable[..., Any]]) -> Callable[..., Any]:
+def _interpreted(
+    kernel: Any, made: dict[Any, Callable[..., Any]], constants: dict[str, Any]
+) -> Callable[..., Any]:
     """Return the source of a compiled function as plain Python that works on numbers that count."""
     if kernel in made:
         return made[kernel]
     source = kernel.py_func
-    names = dict(source.__globals__)
+    names = source.__globals__ | {name: constants[name] for name in constants if name in source.__globals__}
     function = FunctionType(source.__code__, names, source.__name__, source.__defaults__, source.__closure__)
     made[kernel] = function
     names.update(complex=_complex, np=_Arrays())
     for name in source.__code__.co_names:
         value = names.get(name)
         if hasattr(value, "py_func"):
-            names[name] = _interpreted(value, made)
+            names[name] = _interpreted(value, made, constants)
         elif name in _BITS:
             names[name] = _BITS[name](made)
     return function

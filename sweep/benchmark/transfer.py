@@ -112,6 +112,7 @@ class _Own:
                 self.track.half_width,
                 OFFSETS,
             ),
+            STRETCH=1,
         )
         share = self.beta.size / _COUNTED
         name = "strip compliances, time over limit"

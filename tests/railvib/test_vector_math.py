@@ -3,7 +3,7 @@
 import numba
 import numpy as np
 
-from railvib.vector_math import cos_sin, exp, log, turned
+from railvib.vector_math import cos_sin, exp, log, power_turned, rough_log2, turned
 
 
 @numba.njit
@@ -46,6 +46,40 @@ def test_logarithm():
         ]
     )
     np.testing.assert_allclose(_logarithms(x), np.log(x), rtol=5e-16, atol=0)
+
+
+@numba.njit
+def _powers_turned(x, y):
+    real, imag = np.empty(x.size), np.empty(x.size)
+    for i in range(x.size):
+        real[i], imag[i] = power_turned(x[i], y[i])
+    return real + 1j * imag
+
+
+def test_powers_that_are_turned():
+    rng = np.random.default_rng(3)
+    x = np.concatenate([rng.uniform(-999.0, 999.0, 20000), rng.normal(size=20000), np.arange(-64, 65) / 4.0])
+    y = np.concatenate([rng.uniform(-1e6, 1e6, 20000), rng.normal(size=20000), np.arange(-64, 65) / 4.0])
+    left = y - 2.0 * np.round(0.5 * y)  # so the multiple of π is rounded where it is small
+    expected = np.exp2(x) * np.exp(1j * np.pi * left)
+    error = np.abs(_powers_turned(x, y) - expected) / np.abs(expected)
+    assert error.max() < 1.2e-15
+    cut = _powers_turned(np.array([-1e6, -1000.0]), np.array([0.3, 0.3]))
+    assert cut[0] == cut[1] != 0.0
+
+
+@numba.njit
+def _rough_logarithms(x):
+    out = np.empty(x.size)
+    for i in range(x.size):
+        out[i] = rough_log2(x[i])
+    return out
+
+
+def test_rough_logarithm():
+    x = np.concatenate([np.geomspace(1e-300, 1e300, 20001), 2.0 ** np.arange(-1000, 1000)])
+    short = np.log2(x) - _rough_logarithms(x)
+    assert -1e-12 < short.min() <= short.max() < 0.09
 
 
 def test_turned():
