@@ -1,8 +1,8 @@
 """Stored arrays against their records, and which of them this process has compared.
 
 An array that somebody holds need not be read again: tables have many in common. One that is read again need
-not be hashed again: the checksums that its chunks had when its sha256 was compared show whatever has changed
-in them since, but for a chance of one in four billion.
+not be hashed again: the checksums that its chunks had when it was written, or its sha256 compared, show
+whatever has changed in them since, but for a chance of one in four billion.
 """
 
 import hashlib
@@ -41,13 +41,17 @@ def held(arrays: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
 
 def remember(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> None:
     """Keep in mind that an array is the recorded one, and the checksums of its chunks."""
-    key = _key(recorded)
-    _in_memory[key] = array
-    _chunks[key] = chunks
+    _in_memory[_key(recorded)] = array
+    remember_chunks(chunks, recorded)
+
+
+def remember_chunks(chunks: bytes, recorded: Mapping[str, Any]) -> None:
+    """Keep in mind the checksums of the chunks of an array that has been compared or written."""
+    _chunks[_key(recorded)] = chunks
 
 
 def unchanged(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> bool:
-    """Return whether an array has the recorded form, and its chunks the checksums as when it was compared."""
+    """Return whether an array has the recorded form, and its chunks the checksums that are in mind."""
     form = array.dtype.name, list(array.shape)
     return form == (recorded["dtype"], recorded["shape"]) and _chunks.get(_key(recorded)) == chunks
 

@@ -1,26 +1,22 @@
 """Results as immutable Zarr groups: a frozen dataclass of arrays in, the same dataclass or plain arrays out.
 
-Fields whose metadata name their dimensions are arrays, `field(metadata={"dims": ("frequency", "node"),
-"unit": "m/N", "description": "..."})`; all others, and arrays of text, go to the group's attributes. With
-"called_by" an array takes its name from another field: H of the rail is stored as `rail`. A group is encoded
-in memory and named after its content, and never changes. An array is one chunk or is cut along its first
-dimension in `sweep.zarr_form` alone: no caller can write part of a chunk.
+What of a dataclass is an array says `sweep.fields`; all else goes to the group's attributes. A group is
+encoded in memory and named after its content, and never changes. An array is one chunk or is cut along its
+first dimension in `sweep.zarr_form` alone: no caller can write part of a chunk.
 """
 
 import dataclasses
 import hashlib
 import json
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 from weakref import finalize
 
-import numpy as np
 from numpy.typing import NDArray
 
-from sweep import compared, location, records, zarr_form
-from sweep.compared import checksum as checksum
+from sweep import compared, fields, location, records, zarr_form
+from sweep.fields import Result
 from sweep.group import DamagedError as DamagedError
 from sweep.group import Group, Recorded, metadata_digest
 
@@ -34,8 +30,6 @@ RECORDED = ("group", "arrays", "metadata", "group_metadata")
 _DIGITS = 16
 """Of the digest in a group's name, hexadecimal."""
 _EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
-
-Result = TypeVar("Result")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,7 +101,7 @@ class Writer:
             If an array does not have the dimensions that its field declares, or an attribute cannot be
             stored.
         """
-        arrays, extra = _split(result)
+        arrays, extra = fields.split(result)
         before = {each: self._stored.get((each, id(array))) for each, (array, _) in arrays.items()}
         encoded: dict[str, dict[str, bytes | memoryview]] = {}
         checksums: dict[str, dict[str, Any]] = {}
@@ -116,7 +110,7 @@ class Writer:
             known = before[each]
             if known is None:
                 encoded[each] = zarr_form.encode_array(each, array, metadata, CHUNK_BYTES)
-                checksums[each] = checksum(array)
+                checksums[each] = compared.checksum(array)
             else:
                 encoded[each], checksums[each] = known.objects, known.checksum
                 same |= {f"{each}/{key}": f"{known.key}/{key}" for key in known.objects}
@@ -139,6 +133,7 @@ class Writer:
                 key = each, id(array)
                 self._stored[key] = _Stored(encoded[each], checksums[each], f"{STORE}/{group}/{each}")
                 finalize(array, self._stored.pop, key, None).atexit = False
+                compared.remember_chunks(zarr_form.chunk_checksums(encoded[each]), checksums[each])
         own = hashlib.sha256(objects[zarr_form.METADATA]).hexdigest()
         return Written(group, checksums, metadata_sha, own, said, objects, written)
 
@@ -173,14 +168,38 @@ def read(
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
+    values, attributes = _read(home, group, arrays, metadata, group_metadata)
+    return fields.joined(kind, values, attributes)
+
+
+def read_recorded(
+    directory: Path | str, record: Mapping[str, Any]
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Return the arrays of a record of a run by name, compared as by `read`, and the group's attributes.
+
+    Raises
+    ------
+    DamagedError
+        If the group is missing, cannot be decoded or is not the one recorded.
+    """
+    recorded: dict[str, Any] = {name: record.get(name) for name in RECORDED}
+    return _read(_home(directory, record["group"]), **recorded)
+
+
+def _read(
+    home: records.Home,
+    group: str,
+    arrays: Recorded | None,
+    metadata: str | None,
+    group_metadata: str | None,
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     place, prefix = location.at(home), f"{STORE}/{group}"
     known = compared.held(arrays or {})
     if group_metadata is None:
         found = Group.whole(place, prefix, group, metadata)
     else:
         found = Group.needed(place, prefix, group, group_metadata, known)
-    values = found.arrays() if arrays is None else found.verified(arrays, known)
-    return _result(kind, values, found.attributes)
+    return found.arrays() if arrays is None else found.verified(arrays, known), found.attributes
 
 
 def restored(written: Written, kind: type[Result]) -> Result:
@@ -191,20 +210,7 @@ def restored(written: Written, kind: type[Result]) -> Result:
             said = json.loads(bytes(written.objects[f"{name}/{zarr_form.METADATA}"]))
             found[name], chunks = zarr_form.decode_array(name, said, written.objects)
             compared.remember(found[name], chunks, recorded)
-    return _result(kind, found, json.loads(written.attributes))
-
-
-def _result(kind: type[Result], found: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]) -> Result:
-    """Return the dataclass that arrays and attributes were stored for."""
-    values: dict[str, Any] = {}
-    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
-        if "dims" in field.metadata:
-            name = _called(field, attributes.__getitem__)
-            array = np.asarray(attributes[name]) if name in attributes else found.get(name)
-            values[field.name] = array[()] if array is not None and array.ndim == 0 else array
-        else:
-            values[field.name] = _restored(attributes[field.name], field.type)
-    return kind(**values)
+    return fields.joined(kind, found, json.loads(written.attributes))
 
 
 def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
@@ -251,58 +257,3 @@ def _home(directory: Path | str, group: str) -> records.Home:
 def clean(home: records.Home, older_than_s: float = 0.0) -> None:
     """Remove what writers that died have left aside; where others may be at work, only what is old."""
     location.at(home).clean(STORE, older_than_s)
-
-
-def _called(field: "dataclasses.Field[Any]", attribute: Callable[[str], Any]) -> str:
-    """Return an array's name in the store: its field's, or what another field of the result calls it."""
-    return str(attribute(field.metadata["called_by"])) if "called_by" in field.metadata else field.name
-
-
-def _split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]]], dict[str, Any]]:
-    """Part the fields of a dataclass into arrays with their metadata and attributes; check dimensions."""
-    arrays: dict[str, tuple[NDArray[Any], Mapping[str, Any]]] = {}
-    attributes: dict[str, Any] = {}
-    sizes: dict[str, int] = {}
-    for field in dataclasses.fields(result):
-        value = getattr(result, field.name)
-        if "dims" not in field.metadata:
-            attributes[field.name] = _plain(value)
-            continue
-        if value is None:
-            continue
-        array = np.asarray(value)
-        dims = field.metadata["dims"]
-        if array.dtype.kind == "U":  # Zarr's format has no settled form for text
-            attributes[field.name] = array.tolist()
-            continue
-        if array.ndim != len(dims) or array.dtype.kind not in "fciub":
-            raise ValueError(
-                f"{type(result).__name__}.{field.name}: {array.dtype} {array.shape} does not fit {dims}"
-            )
-        for dim, size in zip(dims, array.shape, strict=True):
-            if sizes.setdefault(dim, size) != size:
-                raise ValueError(
-                    f"{type(result).__name__}.{field.name}: {size} along {dim}, others have {sizes[dim]}"
-                )
-        arrays[_called(field, lambda name: getattr(result, name))] = (array, field.metadata)
-    return arrays, attributes
-
-
-def _plain(value: Any) -> Any:
-    """Return an attribute as JSON can hold it: complex numbers as pairs, what is not finite as text."""
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, complex):
-        return [_plain(value.real), _plain(value.imag)]
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value
-
-
-def _restored(value: Any, form: Any) -> Any:
-    """Return an attribute as the dataclass holds it."""
-    if isinstance(value, list):
-        value = tuple(_restored(item, form) for item in value)
-    if form in (complex, "complex"):
-        return complex(*map(float, value)) if isinstance(value, tuple) else value
-    return float(value) if form in (float, "float") else value

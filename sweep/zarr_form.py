@@ -59,6 +59,11 @@ def encode_array(
     return objects
 
 
+def chunk_checksums(array: Objects) -> bytes:
+    """Return the checksums of the chunks of an encoded array, as `decode_array` does."""
+    return b"".join(bytes(chunk[-_CRC_BYTES:]) for key, chunk in array.items() if key != METADATA)
+
+
 def encode_attributes(attributes: Mapping[str, Any]) -> bytes:
     """Return the attributes of a group as JSON.
 

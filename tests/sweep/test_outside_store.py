@@ -12,7 +12,7 @@ from zarr.storage import ObjectStore
 
 import sweep
 from queries import database, ingest
-from sweep import engine, location, plan, records, store, task
+from sweep import compared, engine, location, plan, records, store, task
 from sweep.task import Place
 from tests.sweep import toy
 from tests.sweep.s3_server import SECRET, s3
@@ -68,7 +68,7 @@ def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, m
     group = f"studies/{store.STORE}/{record['group']}"
     with xarray.open_zarr(ObjectStore(S3Store("vibration", prefix=group), read_only=True)) as dataset:
         assert dataset.wavenumber.dims == ("frequency", "node")
-        assert store.checksum(dataset.wavenumber.values) == record["arrays"]["wavenumber"]
+        assert compared.checksum(dataset.wavenumber.values) == record["arrays"]["wavenumber"]
     xarray.testing.assert_equal(sweep.open_grid(out).compute(), sweep.open_grid(computed / "out").compute())
 
     text = STUDY.replace('"small"', '"other"').replace("german-low", "german-high")

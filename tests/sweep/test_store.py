@@ -336,6 +336,8 @@ def hashed(monkeypatch):
 
 def test_an_array_is_hashed_once_but_where_all_is_to_be_compared(tmp_path, spectrum, hashed):
     written = write(tmp_path, spectrum)
+    compared._chunks.clear()  # as another process would have it
+    hashed.clear()
     for _ in range(2):
         assert_equal(whole(tmp_path, written), spectrum)
     assert sorted(hashed) == [(), (3,), (3,), (3, 5)]
@@ -343,16 +345,31 @@ def test_an_array_is_hashed_once_but_where_all_is_to_be_compared(tmp_path, spect
     assert sorted(hashed) == sorted(2 * [(), (3,), (3,), (3, 5)])
 
 
-def test_what_this_process_has_written_and_restored_is_not_hashed(tmp_path, spectrum, hashed):
+@pytest.mark.parametrize("chunk_bytes", [100, store.CHUNK_BYTES])
+def test_what_this_process_has_written_is_not_hashed(tmp_path, spectrum, hashed, monkeypatch, chunk_bytes):
+    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
     written = write(tmp_path, spectrum)
-    store.restored(written, Spectrum)
+    hashed.clear()
     assert_equal(whole(tmp_path, written), spectrum)
     assert hashed == []
+
+
+def test_arrays_of_a_record_come_with_the_attributes_of_the_group(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    arrays, attributes = store.read_recorded(tmp_path, written.recorded())
+    assert arrays.keys() == written.arrays.keys()
+    np.testing.assert_array_equal(arrays["transfer"], spectrum.transfer)
+    assert attributes["receivers"] == ["rail", "ground"]
+    del arrays
+    damage(tmp_path, written, "replace")
+    with pytest.raises(store.DamagedError, match="transfer is not the one recorded"):
+        store.read_recorded(tmp_path, written.recorded())
 
 
 def test_the_arrays_remembered_are_limited(tmp_path, spectrum, hashed, monkeypatch):
     monkeypatch.setattr(compared, "_chunks", Latest(2))
     written = write(tmp_path, spectrum)
+    hashed.clear()
     for _ in range(2):
         assert_equal(whole(tmp_path, written), spectrum)
     assert len(hashed) == 8

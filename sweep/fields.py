@@ -1,0 +1,84 @@
+"""The fields of a result, a frozen dataclass, as arrays and attributes that a group can hold, and back.
+
+Fields whose metadata name their dimensions are arrays, `field(metadata={"dims": ("frequency", "node"),
+"unit": "m/N", "description": "..."})`; all others, and arrays of text, are attributes. With "called_by" an
+array takes its name from another field: H of the rail is stored as `rail`.
+"""
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Result = TypeVar("Result")
+
+
+def split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]]], dict[str, Any]]:
+    """Part the fields of a dataclass into arrays with their metadata and attributes; check dimensions."""
+    arrays: dict[str, tuple[NDArray[Any], Mapping[str, Any]]] = {}
+    attributes: dict[str, Any] = {}
+    sizes: dict[str, int] = {}
+    for field in dataclasses.fields(result):
+        value = getattr(result, field.name)
+        if "dims" not in field.metadata:
+            attributes[field.name] = _plain(value)
+            continue
+        if value is None:
+            continue
+        array = np.asarray(value)
+        dims = field.metadata["dims"]
+        if array.dtype.kind == "U":  # Zarr's format has no settled form for text
+            attributes[field.name] = array.tolist()
+            continue
+        if array.ndim != len(dims) or array.dtype.kind not in "fciub":
+            raise ValueError(
+                f"{type(result).__name__}.{field.name}: {array.dtype} {array.shape} does not fit {dims}"
+            )
+        for dim, size in zip(dims, array.shape, strict=True):
+            if sizes.setdefault(dim, size) != size:
+                raise ValueError(
+                    f"{type(result).__name__}.{field.name}: {size} along {dim}, others have {sizes[dim]}"
+                )
+        arrays[_called(field, lambda name: getattr(result, name))] = (array, field.metadata)
+    return arrays, attributes
+
+
+def joined(kind: type[Result], found: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]) -> Result:
+    """Return the dataclass that arrays and attributes were stored for."""
+    values: dict[str, Any] = {}
+    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+        if "dims" in field.metadata:
+            name = _called(field, attributes.__getitem__)
+            array = np.asarray(attributes[name]) if name in attributes else found.get(name)
+            values[field.name] = array[()] if array is not None and array.ndim == 0 else array
+        else:
+            values[field.name] = _restored(attributes[field.name], field.type)
+    return kind(**values)
+
+
+def _called(field: "dataclasses.Field[Any]", attribute: Callable[[str], Any]) -> str:
+    """Return an array's name in the store: its field's, or what another field of the result calls it."""
+    return str(attribute(field.metadata["called_by"])) if "called_by" in field.metadata else field.name
+
+
+def _plain(value: Any) -> Any:
+    """Return an attribute as JSON can hold it: complex numbers as pairs, what is not finite as text."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, complex):
+        return [_plain(value.real), _plain(value.imag)]
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+
+
+def _restored(value: Any, form: Any) -> Any:
+    """Return an attribute as the dataclass holds it."""
+    if isinstance(value, list):
+        value = tuple(_restored(item, form) for item in value)
+    if form in (complex, "complex"):
+        return complex(*map(float, value)) if isinstance(value, tuple) else value
+    return float(value) if form in (float, "float") else value
