@@ -98,20 +98,21 @@ def receptance(
     figure, ((magnitude, phase),) = page(1, 2, 2.5)
     shared = Legend()
     ends = []
+    data = columns(
+        connection,
+        # Trains with other distances between axles have units of their own: one value per frequency.
+        "SELECT speed_kmh, frequency_hz, arg_min(receptance_re, unit_id) AS re, "
+        "arg_min(receptance_im, unit_id) AS im "
+        "FROM receptances, "
+        "(SELECT min(band_hz) * 10 ** -0.05 AS lowest, max(band_hz) * 10 ** 0.05 AS highest FROM bands) "
+        "WHERE soil = $1 AND track = $2 AND list_contains($3, speed_kmh) AND frequency_hz > 0 "
+        "AND coalesce(frequency_hz BETWEEN lowest AND highest, true) "
+        "GROUP BY speed_kmh, frequency_hz ORDER BY frequency_hz",
+        [soil, track, list(speeds)],
+    )
     for number, speed in enumerate(speeds):
-        data = columns(
-            connection,
-            # Trains with other distances between axles have units of their own: one value per frequency.
-            "SELECT frequency_hz, arg_min(receptance_re, unit_id) AS re, "
-            "arg_min(receptance_im, unit_id) AS im "
-            "FROM receptances, "
-            "(SELECT min(band_hz) * 10 ** -0.05 AS lowest, max(band_hz) * 10 ** 0.05 AS highest FROM bands) "
-            "WHERE soil = $1 AND track = $2 AND speed_kmh = $3 AND frequency_hz > 0 "
-            "AND coalesce(frequency_hz BETWEEN lowest AND highest, true) "
-            "GROUP BY frequency_hz ORDER BY frequency_hz",
-            [soil, track, speed],
-        )
-        frequency, value = data["frequency_hz"], data["re"] + 1j * data["im"]
+        own = data["speed_kmh"] == speed
+        frequency, value = data["frequency_hz"][own], (data["re"] + 1j * data["im"])[own]
         line = numbered_line(number, "standing load" if speed == 0 else f"load moving at {speed:g} km/h")
         shared.curve(magnitude, frequency, np.abs(value) * 1e9, line, markers=False)
         shared.curve(phase, frequency, np.unwrap(np.angle(value)), line, markers=False)
