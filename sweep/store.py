@@ -81,12 +81,14 @@ class Writer:
 
     An array that several results have in common, the same object in memory, is encoded and stored once: where
     the file system can, its files are given another name in the groups of the others. What became of an array
-    is known as long as somebody holds it.
+    is known as long as somebody holds it. What is said of one array is often said of others as well, and is
+    stored once too.
     """
 
     def __init__(self, home: records.Home) -> None:
         self._home = home
         self._stored: dict[tuple[str, int], _Stored] = {}
+        self._heads: dict[bytes, str] = {}
         self._ensured: set[str] = set()
 
     def __call__(self, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
@@ -111,6 +113,9 @@ class Writer:
             if known is None:
                 encoded[each] = zarr_form.encode_array(each, array, metadata, CHUNK_BYTES)
                 checksums[each] = compared.checksum(array)
+                head = bytes(encoded[each][zarr_form.METADATA])
+                if head in self._heads:
+                    same[f"{each}/{zarr_form.METADATA}"] = self._heads[head]
             else:
                 encoded[each], checksums[each] = known.objects, known.checksum
                 same |= {f"{each}/{key}": f"{known.key}/{key}" for key in known.objects}
@@ -133,6 +138,8 @@ class Writer:
                 key = each, id(array)
                 self._stored[key] = _Stored(encoded[each], checksums[each], f"{STORE}/{group}/{each}")
                 finalize(array, self._stored.pop, key, None).atexit = False
+                head = bytes(encoded[each][zarr_form.METADATA])
+                self._heads.setdefault(head, f"{STORE}/{group}/{each}/{zarr_form.METADATA}")
                 compared.remember_chunks(zarr_form.chunk_checksums(encoded[each]), checksums[each])
         own = hashlib.sha256(objects[zarr_form.METADATA]).hexdigest()
         return Written(group, checksums, metadata_sha, own, said, objects, written)

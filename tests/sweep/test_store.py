@@ -239,6 +239,8 @@ def test_what_results_have_in_common_is_stored_once(tmp_path, spectrum, monkeypa
     assert second.arrays["frequency"] == first.arrays["frequency"]
     files = [tmp_path / store.STORE / each.group / "frequency" / "c.0" for each in (first, second)]
     assert files[0].samefile(files[1]) is linking
+    heads = [path.parents[1] / "transfer" / "zarr.json" for path in files]
+    assert heads[0].samefile(heads[1]) is linking  # the same is said of both, though they are not the same
     assert (second.bytes_written < first.bytes_written) is linking
     assert not os.path.samefile(*(path.parents[1] / "transfer" / "c.0.0" for path in files))
     for written, made in ((first, spectrum), (second, other)):
