@@ -4,6 +4,7 @@ import importlib.util
 import json
 import os
 import re
+from collections.abc import Iterator
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -33,7 +34,9 @@ def write(connection: duckdb.DuckDBPyConnection, path: Path) -> Path:
     """
     partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
     try:
-        partial.write_text(page(connection), encoding="utf-8")
+        with partial.open("wb") as file:
+            for piece in page(connection):  # in one text, megabytes of figures would take two bytes a letter
+                file.write(piece.encode())
         partial.replace(path)
     except OSError as error:
         raise ResultsError(f"{path}: cannot be written: {error.strerror}") from error
@@ -53,8 +56,8 @@ def shown(path: Path) -> tuple[str, ...]:
     return found.groups() if found else ()
 
 
-def page(connection: duckdb.DuckDBPyConnection) -> str:
-    """Return the page."""
+def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
+    """Return the page, piece by piece."""
     row = connection.execute("SELECT study FROM runs ORDER BY sequence DESC LIMIT 1").fetchone()
     said = {
         "study": str(row[0] if row and row[0] else "results"),
@@ -77,7 +80,7 @@ def page(connection: duckdb.DuckDBPyConnection) -> str:
     return (
         _environment()
         .get_template("report.html")
-        .render(
+        .generate(
             said,
             data=drawn,
             thinned=_thinned(drawn["lines"]),
