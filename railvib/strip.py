@@ -33,7 +33,7 @@ POWER, PHASE, INSIDE_REAL, INSIDE_IMAG, BEYOND_REAL, BEYOND_IMAG, REACH = range(
 """Rows per pole: doublings and half turns of e^{−k} per m; what stands before the exponentials inside the
 strip and beyond it; distance in m, and before it is known the logarithm of what stands before."""
 SQUARE, STRONGEST, DECAY, CENTRE_REAL, CENTRE_IMAG, TOTAL_REAL, TOTAL_IMAG = range(7)
-"""Rows of the sum: β²; logarithm and doublings per m of the strongest wave; half of C(β, 0); C(β, y)."""
+"""Rows of the sum: β²; logarithm and doublings per m of the strongest wave; C(β, 0); C(β, y)."""
 ROWS = 7
 
 
@@ -62,7 +62,6 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
     farthest = np.empty(p)
     at = np.empty((ROWS, STRETCH))
     quarter = 0.25 / b
-    rest = complex(constant.real * (0.5 / b), constant.imag * (0.5 / b))
     for stretch in range((n + STRETCH - 1) // STRETCH):
         first = stretch * STRETCH
         count = n - first if n - first < STRETCH else STRETCH
@@ -72,8 +71,8 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
             at[SQUARE, i] = own * own
             at[STRONGEST, i] = -1e300
             at[DECAY, i] = 0.0
-            at[CENTRE_REAL, i] = quarter * constant.real
-            at[CENTRE_IMAG, i] = quarter * constant.imag
+            at[CENTRE_REAL, i] = 0.0
+            at[CENTRE_IMAG, i] = 0.0
         for j in range(p):
             zr = pole[j].real
             wi = -pole[j].imag
@@ -94,50 +93,49 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
                 wave[j, INSIDE_REAL, i] = (ar * wr + ai * wi) * inverse
                 wave[j, INSIDE_IMAG, i] = (ai * wr - ar * wi) * inverse
             for i in range(STRETCH):
-                er, ei = power_turned(b * wave[j, POWER, i], b * wave[j, PHASE, i])
+                power = wave[j, POWER, i]
                 gr = wave[j, INSIDE_REAL, i]
                 gi = wave[j, INSIDE_IMAG, i]
-                # a/(4 b k²) (1 − e^{−kb}), which is half of C(β, 0), and that times 1 + e^{−kb}
+                er, ei = power_turned(b * power, b * wave[j, PHASE, i])
+                # a/(4 b k²) (1 − e^{−kb}), twice of which is C(β, 0), and that times 1 + e^{−kb}
                 hr = gr * er - gi * ei - gr
                 hi = gr * ei + gi * er - gi
                 cr = hr + hr * er - hi * ei
                 ci = hi + hr * ei + hi * er
-                at[CENTRE_REAL, i] += hr
-                at[CENTRE_IMAG, i] += hi
+                at[CENTRE_REAL, i] += 2.0 * hr
+                at[CENTRE_IMAG, i] += 2.0 * hi
                 wave[j, BEYOND_REAL, i] = cr
                 wave[j, BEYOND_IMAG, i] = ci
                 strength = 0.5 * rough_log2(cr * cr + ci * ci)
                 wave[j, REACH, i] = strength
-                stronger = strength + FAR * wave[j, POWER, i] > at[STRONGEST, i] + FAR * at[DECAY, i]
-                at[STRONGEST, i] = strength if stronger else at[STRONGEST, i]
-                at[DECAY, i] = wave[j, POWER, i] if stronger else at[DECAY, i]
+                strongest = at[STRONGEST, i]
+                decay = at[DECAY, i]
+                stronger = strength + FAR * power > strongest + FAR * decay
+                at[STRONGEST, i] = strength if stronger else strongest
+                at[DECAY, i] = power if stronger else decay
         for j in range(p):
             for i in range(STRETCH):
                 # To where it is negligible beside the strongest wave, or nothing at all if that is nearer.
+                power = wave[j, POWER, i]
                 left = wave[j, REACH, i] - at[STRONGEST, i] + NEGLIGIBLE
                 left = left if left > 0.0 else 0.0
-                loss = at[DECAY, i] - wave[j, POWER, i]
-                beside = -left * wave[j, POWER, i] < CLIP * loss
-                wave[j, REACH, i] = (left if beside else CLIP) / (loss if beside else -wave[j, POWER, i])
-            most = wave[j, REACH, 0]
-            for i in range(1, STRETCH):
-                most = wave[j, REACH, i] if wave[j, REACH, i] > most else most
-            farthest[j] = most
+                loss = at[DECAY, i] - power
+                beside = -left * power < CLIP * loss
+                wave[j, REACH, i] = (left if beside else CLIP) / (loss if beside else -power)
+            farthest[j] = 0.0
+            for i in range(STRETCH):
+                reach = wave[j, REACH, i]
+                farthest[j] = reach if reach > farthest[j] else farthest[j]
         for k in range(offset.shape[0]):
             y = offset[k]
-            if y == 0.0:
-                for i in range(count):
-                    real[k, first + i] = at[CENTRE_REAL, i] + at[CENTRE_REAL, i]
-                    imag[k, first + i] = at[CENTRE_IMAG, i] + at[CENTRE_IMAG, i]
-                continue
-            # Inside the strip none is passed over, and e^{−kd} − 1 from both edges stands in for e^{−kd}.
             beyond = y >= b
+            # Inside the strip none is passed over, and e^{−kd} − 1 from both edges stands in for e^{−kd}.
             before = BEYOND_REAL if beyond else INSIDE_REAL
             less = 0.0 if beyond else 1.0
             for i in range(STRETCH):
                 at[TOTAL_REAL, i] = 0.0
                 at[TOTAL_IMAG, i] = 0.0
-            for side in range(1 if beyond else 2):
+            for side in range(1 if beyond else (0 if y == 0.0 else 2)):
                 d = y + b if side == 1 else abs(y - b)
                 travelled = d if beyond else 0.0
                 for j in range(p):
@@ -152,7 +150,8 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
                         ci = wave[j, before + 1, i]
                         at[TOTAL_REAL, i] = at[TOTAL_REAL, i] + cr * er - ci * ei
                         at[TOTAL_IMAG, i] = at[TOTAL_IMAG, i] + cr * ei + ci * er
+            found = CENTRE_REAL if y == 0.0 else TOTAL_REAL
             for i in range(count):
-                real[k, first + i] = at[TOTAL_REAL, i] + less * rest.real
-                imag[k, first + i] = at[TOTAL_IMAG, i] + less * rest.imag
+                real[k, first + i] = at[found, i] + less * (0.5 / b) * constant.real
+                imag[k, first + i] = at[found + 1, i] + less * (0.5 / b) * constant.imag
     return real, imag
