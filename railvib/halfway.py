@@ -117,7 +117,9 @@ class Halfway:
             worst = float((np.abs(found - direct) / size).max())
             return (np.zeros(panels), worst) if must or worst <= tolerance else None
         tried = self._slownesses if distance > 0.0 else np.zeros(1)
-        check = partial(self._errors, rows, direct, size, distance)
+        value = np.array(rows)
+        value *= self._inverse
+        check = partial(self._errors, value, direct, size, distance)
         everywhere = tried[:, None].repeat(panels, axis=1)
         highest = check(slice(-1, None), slice(1, None, _EVERY), everywhere)
         if not must and highest.min(axis=0).max() > tolerance:
@@ -140,7 +142,7 @@ class Halfway:
 
     def _errors(
         self,
-        rows: Sequence[np.ndarray],
+        value: np.ndarray,
         direct: np.ndarray,
         size: np.ndarray,
         distance: float,
@@ -158,11 +160,11 @@ class Halfway:
         def some(values: np.ndarray) -> np.ndarray:
             return np.ascontiguousarray(values[:, nodes])
 
-        value = np.array([row[nodes] for row in rows[own]]) * self._inverse[own][:, nodes]
+        beta = some(self._row_beta[own])
         return np.asarray(
             _largest_errors(
-                value.view(float),
-                some(self._row_beta[own]),
+                some(value[own]).view(float),
+                beta,
                 self._row_omega[own],
                 first - own.start,
                 self._weight[which],
@@ -171,7 +173,7 @@ class Halfway:
                 some(self._force[which]).view(float),
                 some(direct[which]).view(float),
                 some(size[which]),
-                slownesses.repeat(value.shape[1] // slownesses.shape[1], axis=1),
+                slownesses.repeat(beta.shape[1] // slownesses.shape[1], axis=1),
                 slownesses.shape[1],
                 distance,
             )
