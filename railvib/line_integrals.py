@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from railvib import blocks, cost
 from railvib.panels import ORDER, fourier_integrals
-from railvib.squared import same_nodes, squared
+from railvib.squared import same_nodes, squared, squared_at
 from railvib.transfer import Receiver, TransferFunction
 
 _AT_ONCE = 64
@@ -132,9 +132,9 @@ def _block(
         # All that are at one level together: they share their nodes, and so much of the work.
         now = min(level[each] for each in own if each not in made)
         some = {each: own[each] for each in own if each not in made and level[each] == now}
-        f = blocks.frequency(now, blocks.indices(block, now))
-        between = blocks.frequency(now + 1, blocks.halfway(block, now, _CHECKS))
-        for receiver, value in directly(some, distance, np.concatenate([f, between])).items():
+        ks, halfway = blocks.indices(block, now), blocks.halfway(block, now, _CHECKS)
+        f, between = blocks.frequency(now, ks), blocks.frequency(now + 1, halfway)
+        for receiver, value in _at_level(some, distance, block, now, ks, halfway).items():
             tabulated, direct = value[: f.size], value[f.size :]
             interpolated = blocks.interpolated(block, now, between, tabulated)
             error = float((np.abs(interpolated - direct) / direct[:, :1]).max())
@@ -144,6 +144,31 @@ def _block(
                 made[receiver] = _Block(block, now, error, f, tabulated)
             level[receiver] += 1
     return made
+
+
+def _at_level(
+    receivers: Mapping[Receiver, TransferFunction],
+    distance: np.ndarray,
+    block: int,
+    level: int,
+    ks: np.ndarray,
+    halfway: np.ndarray,
+) -> dict[Receiver, np.ndarray]:
+    """Return M(d, f) at frequencies of a level and then at some of the next, (n, distances)."""
+    f = np.concatenate([blocks.frequency(level, ks), blocks.frequency(level + 1, halfway)])
+    integral: dict[Receiver, np.ndarray] = {}
+    with cost.stage("line integrals") as spent:
+        for members, _block, _all in same_nodes(receivers, f):
+            value = np.empty((len(members), f.size, receivers[members[0]].blocks[block].transfer.shape[1]))
+            for out, each in zip(value, members, strict=True):
+                out[: ks.size] = squared_at(receivers[each], block, level, ks)
+                out[ks.size :] = squared_at(receivers[each], block, level + 1, halfway)
+                receivers[each].blocks[block].forget_reduced()
+            edge = receivers[members[0]].blocks[block].nodes.panel_edges(f)
+            integral |= zip(members, _integrals(edge, value, distance), strict=True)
+            spent.evaluations += value.size
+            spent.kernel_calls += len(members)
+    return integral
 
 
 def directly(
@@ -177,14 +202,19 @@ def directly(
                 rows = here[own]
                 value = squared([receivers[each] for each in members], block, f[rows])
                 edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
-                found = np.zeros((f[rows].size, len(members), d.size))
-                sine = np.zeros((len(members), d.size))
-                _cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), d, found, sine)
-                for receiver, each in zip(members, found.swapaxes(0, 1), strict=True):
+                for receiver, each in zip(members, _integrals(edge, value, d), strict=True):
                     integral[receiver][rows] = each
                 spent.evaluations += value.size
                 spent.kernel_calls += len(members)
-    return {receiver: each / np.pi for receiver, each in integral.items()}
+    return integral
+
+
+def _integrals(edge: np.ndarray, value: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """Return M from |H̃|² on nodes, (receivers, lines, node): (receivers, lines, distances)."""
+    found = np.zeros((value.shape[1], value.shape[0], distance.size))
+    sine = np.zeros((value.shape[0], distance.size))
+    _cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), distance, found, sine)
+    return found.swapaxes(0, 1) / np.pi
 
 
 @numba.njit(cache=True, error_model="numpy")

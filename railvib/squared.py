@@ -149,8 +149,8 @@ def squares(function: TransferFunction, block: int) -> Squares:
     """
     table = function.blocks[block]
     if function.track not in table.kept:
-        value = _tabulated(table, function.track)
         ks = blocks.indices(block, table.square_level)
+        value = squared_at(function, block, table.square_level, ks)
         edge = table.nodes.panel_edges(blocks.frequency(table.square_level, ks))
         table.kept[function.track] = Squares(table.square_level, value, _panels(edge, value))
         table.forget_reduced()
@@ -158,17 +158,20 @@ def squares(function: TransferFunction, block: int) -> Squares:
     return kept
 
 
-def _tabulated(table: TransferBlock, track: Track | None) -> np.ndarray:
-    """Return squares at their level: the table's own, and between them those that it interpolates."""
-    own = _square(table.transfer)
-    if table.square_level == table.level:
-        return own
-    k = blocks.indices(table.block, table.square_level)
-    step = 2 ** (table.square_level - table.level)
-    there = k % step == 0
-    value = np.empty((k.size, own.shape[1]))
-    value[there] = own[k[there] // step - blocks.indices(table.block, table.level)[0]]
-    value[~there] = _evaluated(table, track, blocks.frequency(table.square_level, k[~there]))
+def squared_at(function: TransferFunction, block: int, level: int, ks: np.ndarray) -> np.ndarray:
+    """Return |H̃|² at some frequencies of a level, from the table's own on, (ks, node).
+
+    At the table's own frequencies as it has it, and between them as it interpolates it.
+    """
+    table = function.blocks[block]
+    step = 2 ** (level - table.level)
+    there = ks % step == 0
+    own = ks[there] // step - blocks.indices(block, table.level)[0]
+    if there.all():
+        return _square(table.transfer[own])
+    value = np.empty((ks.size, table.transfer.shape[1]))
+    value[there] = _square(table.transfer[own])
+    value[~there] = _evaluated(table, function.track, blocks.frequency(level, ks[~there]))
     return value
 
 

@@ -346,7 +346,7 @@ def _tables(
                 offset=np.nan if receiver == "rail" else float(receiver),
                 distance=distance,
                 square_level=level,
-                reference_slowness=found[0],
+                reference_slowness=tuple(found[0].tolist()),
                 interpolation_error=found[1],
             )
             direct = np.array(samples.at(level + 1, halfway.place, receiver))

@@ -95,13 +95,6 @@ class TransferBlock:
     edge: np.ndarray = field(
         metadata={"dims": ("edge",), "unit": "1", "description": "panel edges in the coordinate u"}
     )
-    reference_slowness: np.ndarray = field(
-        metadata={
-            "dims": ("panel",),
-            "unit": "s/m",
-            "description": "slowness of the undamped wave that is taken out of a panel before interpolating",
-        }
-    )
     receiver: str
     """``"rail"`` or ``"ground"``; the transfer function is stored under this name."""
     offset: float
@@ -117,6 +110,8 @@ class TransferBlock:
     """Wavenumber at u = 2, rad/m."""
     distance: float
     """Distance that waves travel from the track's edge, m; 0 on the rail and under the track."""
+    reference_slowness: tuple[float, ...]
+    """Slowness of the undamped wave that is taken out of each panel before interpolating, s/m."""
     interpolation_error: float
     """Largest relative error of interpolation between the frequencies, where it was checked."""
     compliance_error: float

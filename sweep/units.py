@@ -325,7 +325,9 @@ def _line_integrals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit,
                 each: TransferFunction([load(need) for need in _line_integral_needs(unit.inputs)], track)
                 for each, unit in list(asked.items())[i : i + RECEIVERS_AT_ONCE]
             }
-            made = line_integrals(receivers, first["distances"], first["blocks"], first["tolerance"])
+            made = line_integrals(
+                receivers, first["distances"], _between(first["blocks"]), first["tolerance"]
+            )
             yield {asked[receiver]: table for receiver, table in made.items()}
 
 
