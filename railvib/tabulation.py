@@ -263,7 +263,7 @@ class _Common:
                 "wavenumber": nodes.wavenumber(frequency),
                 "compliance": np.array(samples.at(level, ks, samples.COMPLIANCE)) if known else None,
                 **_rational_form(fits, level, ks),
-                "quadrature": np.isin(frequency, list(samples.failed)).astype(float),
+                "quadrature": tuple(each for each in frequency.tolist() if each in samples.failed),
                 "edge": nodes.edge,
                 "block": fits.block,
                 "level": level,

@@ -85,16 +85,11 @@ class TransferBlock:
             "description": "largest relative error of the rational form",
         }
     )
-    quadrature: np.ndarray = field(
-        metadata={
-            "dims": ("frequency",),
-            "unit": "1",
-            "description": "1 where the fit failed and direct quadrature took its place, else 0",
-        }
-    )
     edge: np.ndarray = field(
         metadata={"dims": ("edge",), "unit": "1", "description": "panel edges in the coordinate u"}
     )
+    quadrature: tuple[float, ...]
+    """Frequencies at which the fit failed and direct quadrature took its place, Hz."""
     receiver: str
     """``"rail"`` or ``"ground"``; the transfer function is stored under this name."""
     offset: float
@@ -215,8 +210,10 @@ class Nodes:
     def panel_edges(self, frequency: np.ndarray) -> np.ndarray:
         """Return the panels' edges at frequencies (n,), rad/m, (n, edges)."""
         dense = 2.0 * np.pi * np.asarray(frequency)[:, None] * self.top_slowness
-        u = self.edge
-        return np.where(u <= 1.0, dense * u, dense * (self.largest / dense) ** (u - 1.0))
+        edge: np.ndarray = dense * self.edge
+        (outer,) = np.nonzero(self.edge > 1.0)
+        edge[:, outer] = dense * (self.largest / dense) ** (self.edge[outer] - 1.0)
+        return edge
 
     def panels(self, frequency: np.ndarray, wavenumber: np.ndarray) -> tuple[int, int]:
         """Return the first and the last of the panels that hold pairs of frequency and wavenumber.

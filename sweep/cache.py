@@ -145,7 +145,10 @@ class Cache:
 
 def _sized(value: Any) -> list[_Sized]:
     """Return the arrays in dictionaries and tuples."""
-    if isinstance(value, np.ndarray):
-        return [_Sized(id(value), value.nbytes)]
-    values = value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else ()
-    return [array for each in values for array in _sized(each)]
+    found: list[_Sized] = []
+    for each in value.values() if isinstance(value, dict) else value:
+        if isinstance(each, np.ndarray):
+            found.append(_Sized(id(each), each.nbytes))
+        elif isinstance(each, dict | tuple):
+            found += _sized(each)
+    return found

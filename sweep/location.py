@@ -201,9 +201,7 @@ class Folder:
             if key not in same or not _linked(self._folder + same[key], f"{aside}/{key}"):
                 _write(f"{aside}/{key}", content)
                 written += len(content)
-        place = self._folder + prefix
-        _make(os.path.dirname(place))
-        _rename(aside, place)
+        _rename(aside, self._folder + prefix)
         return written
 
     def remove(self, key: str) -> None:
@@ -296,6 +294,12 @@ def _rename(partial: str, place: str) -> None:
         try:
             os.rename(partial, place)
             return
+        except FileNotFoundError:
+            above = os.path.dirname(place)
+            if os.path.isdir(above):
+                raise
+            _make(above)
+            continue
         except OSError as error:
             if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
                 raise

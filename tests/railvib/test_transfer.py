@@ -103,7 +103,8 @@ def test_a_receiver_does_not_depend_on_the_others(functions, track):
     together = functions[5.0].blocks[1]
     np.testing.assert_array_equal(alone.transfer, together.transfer)
     np.testing.assert_array_equal(alone.frequency, together.frequency)
-    assert alone.level == together.level
+    for name in ("level", "square_level", "reference_slowness", "interpolation_error"):
+        assert getattr(alone, name) == getattr(together, name)
     assert [distance_class(each) for each in ("rail", 0.0, 8.0, 8.1, 100.0)] == [8.0, 8.0, 8.0, 16.0, 128.0]
 
 
@@ -112,7 +113,7 @@ def test_certificates(functions):
         for table in functions[receiver].blocks.values():
             assert table.interpolation_error < 1e-4
             assert table.compliance_error < 1e-4
-            assert not table.quadrature.any()
+            assert not table.quadrature
 
 
 @pytest.mark.parametrize("receiver", RECEIVERS)
