@@ -69,8 +69,9 @@ def passage_spectra(
     psd = {receiver: np.empty(frequency.size) for receiver in receivers}
     with cost.stage("passage") as spent:
         weights = _Weights(excited, speed, frequency)
-        # By distance, as the near ones share their nodes.
-        ordered = sorted(receivers, key=_distance)
+        # By distance, as near ones share their nodes; the farthest first, as they are those that others, who
+        # begin at the track, have read last and may have left at hand.
+        ordered = sorted(receivers, key=_distance, reverse=True)
         for i in range(0, len(ordered), RECEIVERS_AT_ONCE):
             functions = {each: receivers[each] for each in ordered[i : i + RECEIVERS_AT_ONCE]}
             groups = list(same_nodes(functions, frequency))

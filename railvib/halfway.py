@@ -91,7 +91,7 @@ class Halfway:
         receiver: Receiver,
         distance: float,
         rows: Sequence[np.ndarray],
-        places: Sequence[np.ndarray],
+        direct: np.ndarray,
         tolerance: float,
         must: bool,
     ) -> tuple[np.ndarray, float] | None:
@@ -101,14 +101,13 @@ class Halfway:
         ----------
         receiver, distance
             The receiver, and the distance that waves travel to it, m.
-        rows, places
-            Its transfer function at the rows and at the places.
+        rows, direct
+            Its transfer function at the rows, and at the places, (places, node).
         tolerance
             Error that is asked for.
         must
             Whether there must be an answer; else it is None where no waves bring the error down to that.
         """
-        direct = np.array(places)
         panels = direct.shape[1] // ORDER
         size = np.maximum(np.abs(direct), self.nothing(receiver, direct)[:, None])
         if self.track is not None and receiver in ("rail", 0.0):

@@ -326,11 +326,12 @@ def _tables(
         waiting = []
         for receiver in pending:
             distance = 0.0 if receiver == "rail" else max(float(receiver) - samples.track.half_width, 0.0)
+            direct = np.array(samples.at(level + 1, halfway.place, receiver))
             found = halfway.references(
                 receiver,
                 distance,
                 samples.at(level, halfway.row, receiver),
-                samples.at(level + 1, halfway.place, receiver),
+                direct,
                 tolerance,
                 must=receiver in passed or level >= MOST_LEVELS,
             )
@@ -349,7 +350,6 @@ def _tables(
                 reference_slowness=tuple(found[0].tolist()),
                 interpolation_error=found[1],
             )
-            direct = np.array(samples.at(level + 1, halfway.place, receiver))
             nothing = halfway.nothing(receiver, direct)
             finer = square_level(table, samples.track, halfway.place, direct, nothing, tolerance)
             made[receiver] = replace(table, square_level=finer)
