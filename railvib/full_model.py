@@ -22,6 +22,7 @@ import numpy as np
 from railvib import blocks, cost, threads
 from railvib.blocks import combine
 from railvib.excitation import Excitation
+from railvib.moments import amplitudes, moments
 from railvib.panels import FROM_POWERS, ORDER
 from railvib.squared import same_nodes, squares
 from railvib.transfer import Nodes, Receiver, TransferFunction
@@ -30,13 +31,6 @@ from railvib.vector_math import turned
 _LINES_AT_ONCE = 64
 RECEIVERS_AT_ONCE = 8
 """Whose tables are held at the same time."""
-_PARTS = 32
-"""Parts of panels that are gathered before they are integrated over together, in vector registers."""
-_NODES = 8
-_NODE, _WEIGHT = np.polynomial.legendre.leggauss(_NODES)
-"""Nodes of a part: fewer than a panel's, as parts are small against one of their two panels."""
-_LONGEST_PART = 1.25
-"""Sum of a part's shares in its panels of κ and β up to which these nodes resolve what is integrated."""
 
 
 def passage_spectra(
@@ -141,7 +135,7 @@ class _Weights:
             shift = 2.0 * np.pi * self._frequency[lines] / self._speed
             edge = nodes.panel_edges(self._frequency[lines])
             of, limits = self._excited.edge, self._excited.wavenumbers
-            _moments(edge, missing, shift, self._amplitudes(start), lines - start, of, *limits, moment)
+            moments(edge, missing, shift, self._amplitudes(start), lines - start, of, *limits, moment)
             # All together: the last digits of a product may depend on how many rows it has.
             with threads.single():
                 made = (moment.reshape(-1, ORDER) @ FROM_POWERS).reshape(moment.shape)
@@ -157,7 +151,7 @@ class _Weights:
         if not self._amplitude[1].size or self._amplitude[0] != start:
             f = self._frequency[start : start + _LINES_AT_ONCE]
             turn = turned(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
-            self._amplitude = start, _amplitudes(self._excited.turned(turn))
+            self._amplitude = start, amplitudes(self._excited.turned(turn))
         return self._amplitude[1]
 
 
@@ -179,155 +173,3 @@ def _sums(first, stencil, value, panels, weight):
                 total += weight[i, p, n] * row[ORDER * p + n]
             out[i] += total
     return out
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, out):
-    """Add ∫ |A(κ + shift)|² xⁿ dκ, x from −1 to 1 over a panel of |κ|, to `out` (lines, panels, order).
-
-    Over lowest ≤ |κ + shift| ≤ highest, at the panels wanted. Panels of κ and those of β cut
-    each other into parts with nodes of their own. `rows` tells which lines of `amplitude`, from
-    `_amplitudes`, these are.
-    """
-    lines, panels = wanted.shape
-    tiny = 1e-12 * beta_edge[-1]
-    owner = np.empty((2, _PARTS), np.int64)
-    place = np.zeros((5, _PARTS))
-    series = np.zeros((2 * ORDER, _PARTS))
-    power = np.empty(_PARTS)
-    moment = np.empty((ORDER, _PARTS))
-    over_width = np.empty(beta_edge.shape[0] - 1)
-    for b in range(over_width.shape[0]):
-        over_width[b] = 1.0 / (beta_edge[b + 1] - beta_edge[b])
-    count = np.int64(0)  # a literal, here and below, would be a type of its own, and compiled twice
-    for i in range(lines):
-        for side in (-1.0, 1.0):
-            below = np.int64(0)
-            for p in range(panels):
-                if not wanted[i, p]:
-                    continue
-                low = edge[i, p]
-                high = edge[i, p + 1]
-                over = 1.0 / (high - low)
-                start = low
-                while high - start > tiny:
-                    b, backward, end, below = _excited_panel(beta_edge, start, side, shift[i], tiny, below)
-                    if b >= beta_edge.shape[0] - 1:
-                        start = end  # beyond the last edge there is no excitation
-                        continue
-                    if end > high - tiny:
-                        end = high
-                    scale = 2.0 * over_width[b]
-                    if (end - start) * (0.5 * scale + over) > _LONGEST_PART:
-                        end = 0.5 * (start + end)
-                    centre = 0.5 * (start + end)
-                    half = 0.5 * (end - start)
-                    start = end
-                    beta = side * centre + shift[i]
-                    if not lowest <= abs(beta) <= highest:
-                        continue
-                    # Where the part's nodes lie on the panels of β and of κ: offset and slope.
-                    place[0, count] = (abs(beta) - beta_edge[b]) * scale - 1.0
-                    place[1, count] = (-side if backward else side) * half * scale
-                    place[2, count] = 2.0 * (centre - low) * over - 1.0
-                    place[3, count] = 2.0 * half * over
-                    place[4, count] = half
-                    here = amplitude[rows[i], 1 if backward else 0, b]
-                    for n in range(2 * ORDER):
-                        series[n, count] = here[n]
-                    owner[0, count] = i
-                    owner[1, count] = p
-                    count += 1
-                    if count == _PARTS:
-                        _integrate(place, series, power, moment)
-                        _add(count, owner, moment, out)
-                        count = np.int64(0)
-    _integrate(place, series, power, moment)
-    _add(count, owner, moment, out)
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _integrate(place, series, power, moment):
-    """Write the moments of |A|² over some parts; `power` is room to work in.
-
-    All places are computed, whatever the count, so that each goes through the same vector instructions.
-    """
-    for n in range(ORDER):
-        for m in range(_PARTS):
-            moment[n, m] = 0.0
-    for j in range(_NODES):
-        # In two loops, as one would need more registers than there are.
-        for m in range(_PARTS):
-            x = place[0, m] + place[1, m] * _NODE[j]
-            real = series[2 * ORDER - 2, m]
-            imag = series[2 * ORDER - 1, m]
-            for n in range(ORDER - 2, -1, -1):
-                real = real * x + series[2 * n, m]
-                imag = imag * x + series[2 * n + 1, m]
-            power[m] = _WEIGHT[j] * place[4, m] * (real * real + imag * imag)
-        for m in range(_PARTS):
-            x = place[2, m] + place[3, m] * _NODE[j]
-            each = power[m]
-            for n in range(ORDER):
-                moment[n, m] += each
-                each *= x
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _add(count, owner, moment, out):
-    """Add the moments of some parts to those of their panels."""
-    for m in range(count):
-        for n in range(ORDER):
-            out[owner[0, m], owner[1, m], n] += moment[n, m]
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _amplitudes(parts):
-    """Return A at β, and at −β, where q is the conjugate, from `Excitation.turned`.
-
-    (lines, 2, panels, 2·order), real and imaginary parts of the powers of x in turn.
-    """
-    lines = parts.shape[2]
-    panels = parts.shape[3] // ORDER
-    out = np.empty((lines, 2, panels, 2 * ORDER))
-    for i in range(lines):
-        rr = parts[0, 0, i]
-        ri = parts[0, 1, i]
-        ir = parts[1, 0, i]
-        ii = parts[1, 1, i]
-        for b in range(panels):
-            for n in range(ORDER):
-                k = b * ORDER + n
-                out[i, 0, b, 2 * n] = rr[k] - ii[k]
-                out[i, 0, b, 2 * n + 1] = ri[k] + ir[k]
-                out[i, 1, b, 2 * n] = rr[k] + ii[k]
-                out[i, 1, b, 2 * n + 1] = ir[k] - ri[k]
-    return out
-
-
-@numba.njit(forceinline=True, error_model="numpy")
-def _excited_panel(edge, kappa, side, shift, tiny, below):
-    """Return on which panel of |β| the part begins that starts at |κ|, if β < 0 there, and where it ends.
-
-    Last comes the number of edges below, from which the next search sets out: parts follow one another.
-    """
-    beta = side * kappa + shift
-    if side > 0.0:
-        n = _count_below(edge, beta + tiny, below)
-        return n - 1, False, (edge[n] - shift if n < edge.shape[0] else np.inf), n
-    if beta > tiny:  # towards β = 0
-        n = _count_below(edge, beta - tiny, below)
-        return n - 1, False, shift - edge[n - 1], n
-    n = _count_below(edge, -beta + tiny, below)
-    return n - 1, True, (edge[n] + shift if n < edge.shape[0] else np.inf), n
-
-
-@numba.njit(forceinline=True, error_model="numpy")
-def _count_below(edge, limit, guess):
-    """Return how many ascending edges are below a limit, from a guess."""
-    n = guess
-    while n < edge.shape[0] and edge[n] < limit:
-        n += 1
-    while n > 0 and edge[n - 1] >= limit:
-        n -= 1
-    return n
