@@ -25,6 +25,7 @@ from railvib.excitation import Excitation
 from railvib.moments import amplitudes, moments
 from railvib.panels import FROM_POWERS, ORDER
 from railvib.squared import same_nodes, squares
+from railvib.tabulation import distance_class
 from railvib.transfer import Nodes, Receiver, TransferFunction
 from railvib.vector_math import turned
 
@@ -63,9 +64,7 @@ def passage_spectra(
     psd = {receiver: np.empty(frequency.size) for receiver in receivers}
     with cost.stage("passage") as spent:
         weights = _Weights(excited, speed, frequency)
-        # By distance, as near ones share their nodes; the farthest first, as they are those that others, who
-        # begin at the track, have read last and may have left at hand.
-        ordered = sorted(receivers, key=_distance, reverse=True)
+        ordered = sorted(receivers, key=_turn)
         for i in range(0, len(ordered), RECEIVERS_AT_ONCE):
             functions = {each: receivers[each] for each in ordered[i : i + RECEIVERS_AT_ONCE]}
             groups = list(same_nodes(functions, frequency))
@@ -82,7 +81,7 @@ def passage_spectra(
                         for level in {each.level for each in tables}
                     }
                     panels = [each.panels_at(stencils[each.level][0]) for each in tables]
-                    weight = weights.at(shared, lines, np.max(panels, axis=0))
+                    weight = weights.at(shared, lines, np.max(panels, axis=0)).reshape(lines.size, -1)
                     for receiver, each, needed in zip(members, tables, panels, strict=True):
                         psd[receiver][lines] = _sums(*stencils[each.level], each.value, needed, weight)
                     spent.evaluations += 2 * len(members) * weight.size
@@ -155,21 +154,25 @@ class _Weights:
         return self._amplitude[1]
 
 
-def _distance(receiver: Receiver) -> float:
-    return -1.0 if receiver == "rail" else float(receiver)
+def _turn(receiver: Receiver) -> tuple[float, float]:
+    """Return what receivers are sorted by: class by class, as those of one share their nodes.
+
+    The farthest class first, whose tables others, who begin at the track, have read last and may have left at
+    hand; in a class the nearest first, which needs the most panels.
+    """
+    return -distance_class(receiver), -1.0 if receiver == "rail" else float(receiver)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
 def _sums(first, stencil, value, panels, weight):
-    """Return the weighted sums over nodes of rows interpolated to lines, (lines,)."""
+    """Return the weighted sums over the nodes of needed panels of rows interpolated to lines, (lines,)."""
     out = np.empty(first.shape[0])
     row = np.empty(value.shape[1])
     for i in range(first.shape[0]):
-        combine(first[i], stencil[i], value, row[: ORDER * panels[i]])
-        out[i] = 0.0
-        for p in range(panels[i]):
-            total = 0.0
-            for n in range(ORDER):
-                total += weight[i, p, n] * row[ORDER * p + n]
-            out[i] += total
+        nodes = ORDER * panels[i]
+        combine(first[i], stencil[i], value, row[:nodes])
+        total = 0.0
+        for j in range(nodes):
+            total += weight[i, j] * row[j]
+        out[i] = total
     return out

@@ -158,6 +158,13 @@ def squares(function: TransferFunction, block: int) -> Squares:
     return kept
 
 
+def _panels(edge: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Return how many panels hold all of ∫ |H̃|² dβ but a negligible share, (rows,)."""
+    share = (value.reshape(len(value), -1, ORDER) @ WEIGHT) * np.diff(edge)
+    needed = share >= _NEGLIGIBLE * share.sum(axis=1, keepdims=True)
+    return np.asarray(share.shape[1] - needed[:, ::-1].argmax(axis=1))
+
+
 def squared_at(function: TransferFunction, block: int, level: int, ks: np.ndarray) -> np.ndarray:
     """Return |H̃|² at some frequencies of a level, from the table's own on, (ks, node).
 
@@ -276,23 +283,3 @@ def _nodes_below(last, edge, beta):
             beta[end * ORDER + j] = middle + half * NODE[j]
         end += 1
     return end * ORDER
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _panels(edge, value):
-    """Return how many panels hold all of ∫ |H̃|² dβ but a negligible share, (rows,)."""
-    rows, edges = edge.shape
-    out = np.empty(rows, np.int64)
-    share = np.empty(edges - 1)
-    for i in range(rows):
-        total = 0.0
-        for p in range(edges - 1):
-            share[p] = 0.0
-            for n in range(ORDER):
-                share[p] += WEIGHT[n] * value[i, p * ORDER + n]
-            share[p] *= edge[i, p + 1] - edge[i, p]
-            total += share[p]
-        out[i] = edges - 1
-        while out[i] > 0 and share[out[i] - 1] < _NEGLIGIBLE * total:
-            out[i] -= 1
-    return out
