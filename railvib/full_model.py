@@ -22,7 +22,7 @@ import numpy as np
 from railvib import blocks, cost, threads
 from railvib.blocks import combine
 from railvib.excitation import Excitation
-from railvib.moments import amplitudes, moments
+from railvib.moments import moments
 from railvib.panels import FROM_POWERS, ORDER
 from railvib.squared import same_nodes, squares
 from railvib.tabulation import distance_class
@@ -104,7 +104,7 @@ class _Weights:
         self._frequency = frequency
         self._made: dict[tuple[Nodes, bytes], tuple[np.ndarray, np.ndarray]] = {}
         """At which panels, and what they are."""
-        self._amplitude = 0, np.empty(0)
+        self._parts = 0, np.empty(0)
 
     def keep(self, nodes: Collection[Nodes]) -> None:
         """Let go of all weights but those of some nodes."""
@@ -134,7 +134,7 @@ class _Weights:
             shift = 2.0 * np.pi * self._frequency[lines] / self._speed
             edge = nodes.panel_edges(self._frequency[lines])
             of, limits = self._excited.edge, self._excited.wavenumbers
-            moments(edge, missing, shift, self._amplitudes(start), lines - start, of, *limits, moment)
+            moments(edge, missing, shift, self._turned(start), lines - start, of, *limits, moment)
             # All together: the last digits of a product may depend on how many rows it has.
             with threads.single():
                 made = (moment.reshape(-1, ORDER) @ FROM_POWERS).reshape(moment.shape)
@@ -145,13 +145,13 @@ class _Weights:
             known |= missing
         return weight
 
-    def _amplitudes(self, start: int) -> np.ndarray:
-        """Return the powers of A for the lines from one on, which receivers with other nodes share."""
-        if not self._amplitude[1].size or self._amplitude[0] != start:
+    def _turned(self, start: int) -> np.ndarray:
+        """Return the parts of A for the lines from one on, which receivers with other nodes share."""
+        if not self._parts[1].size or self._parts[0] != start:
             f = self._frequency[start : start + _LINES_AT_ONCE]
             turn = turned(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
-            self._amplitude = start, amplitudes(self._excited.turned(turn))
-        return self._amplitude[1]
+            self._parts = start, self._excited.turned(turn)
+        return self._parts[1]
 
 
 def _turn(receiver: Receiver) -> tuple[float, float]:

@@ -21,7 +21,7 @@ _LONGEST_PART = 1.25
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, out):
+def moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest, out):
     """Write the moments of panels that are wanted, (lines, panels, order).
 
     Parameters
@@ -32,8 +32,9 @@ def moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, ou
         At which panels, (lines, panels).
     shift
         2πf/v, (lines,), rad/m.
-    amplitude, rows
-        What `amplitudes` returns, and which of its lines these are.
+    parts, rows
+        What `Excitation.turned` returns, in powers of x on the excitation's panels, and which of its lines
+        these are.
     beta_edge
         Edges of the excitation's panels, rad/m.
     lowest, highest
@@ -42,6 +43,8 @@ def moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, ou
         Where the moments are written; left as it is at other panels.
     """
     lines, panels = wanted.shape
+    terms = parts.shape[3]
+    plane = parts.shape[2] * terms
     tiny = 1e-12 * beta_edge[-1]
     sums = np.empty((ORDER, _NODES))
     below = np.empty(2, np.int64)
@@ -88,8 +91,10 @@ def moments(edge, wanted, shift, amplitude, rows, beta_edge, lowest, highest, ou
                         2.0 * (centre - low) * over - 1.0,
                         2.0 * half * over,
                         half,
+                        # At −β the q_l are conjugate.
+                        -1.0 if backward else 1.0,
                     )
-                    _add_part(amplitude[rows[i], 1 if backward else 0, b], place, sums)
+                    _add_part(parts, rows[i] * terms + b * ORDER, plane, place, sums)
             _sum_nodes(sums, out[i, p])
 
 
@@ -104,11 +109,11 @@ def _sum_nodes(sums, out):
 
 
 @intrinsic
-def _add_part(typingctx, amplitude, place, sums):
+def _add_part(typingctx, parts, start, plane, place, sums):
     """Add |A|² at a part's nodes, times weights and powers of x, to sums (order, nodes).
 
-    `amplitude` holds the powers of A on its panel, (2·order,). All stays in vector registers, which no
-    compiler finds by itself for so many numbers.
+    The four parts of A, of the phases' and of the q_l's real and imaginary parts, begin at `start` and are
+    `plane` numbers apart. All stays in vector registers, which no compiler finds by itself for so much.
     """
 
     def codegen(context, builder, signature, args):
@@ -117,7 +122,7 @@ def _add_part(typingctx, amplitude, place, sums):
         nowhere = ir.Constant(vector, ir.Undefined)
         first = ir.Constant(ir.VectorType(ir.IntType(32), _NODES), [0] * _NODES)
         series = context.make_array(signature.args[0])(context, builder, args[0]).data
-        totals = context.make_array(signature.args[2])(context, builder, args[2]).data
+        totals = context.make_array(signature.args[4])(context, builder, args[4]).data
 
         def everywhere(value):
             lone = builder.insert_element(nowhere, value, ir.Constant(ir.IntType(32), 0))
@@ -127,16 +132,28 @@ def _add_part(typingctx, amplitude, place, sums):
             product = builder.fmul(one, other, flags=("contract",))
             return builder.fadd(product, added, flags=("contract",))
 
-        def power(n):
-            return everywhere(builder.load(builder.gep(series, [ir.Constant(number, n)])))
+        given = [everywhere(builder.extract_value(args[3], k)) for k in range(6)]
+        sign = given[5]
+        minus = builder.fneg(sign)
+        planes = [args[1]]
+        for _ in range(3):
+            planes.append(builder.add(planes[-1], args[2]))
+        starts = [builder.gep(series, [each]) for each in planes]
 
-        given = [everywhere(builder.extract_value(args[1], k)) for k in range(5)]
+        def term(which, n):
+            return everywhere(builder.load(builder.gep(starts[which], [ir.Constant(number, n)])))
+
+        def amplitude(n):
+            # Real times real less imaginary times imaginary, and what is left; the sign of that may be either.
+            real = multiply_add(minus, term(3, n), term(0, n))
+            return real, multiply_add(sign, term(2, n), term(1, n))
+
         node = ir.Constant(vector, _NODE.tolist())
         x = multiply_add(given[1], node, given[0])
-        real, imag = power(2 * ORDER - 2), power(2 * ORDER - 1)
+        real, imag = amplitude(ORDER - 1)
         for n in range(ORDER - 2, -1, -1):
-            real = multiply_add(real, x, power(2 * n))
-            imag = multiply_add(imag, x, power(2 * n + 1))
+            own = amplitude(n)
+            real, imag = multiply_add(real, x, own[0]), multiply_add(imag, x, own[1])
         square = multiply_add(real, real, builder.fmul(imag, imag))
         each = builder.fmul(square, builder.fmul(given[4], ir.Constant(vector, _WEIGHT.tolist())))
         x = multiply_add(given[3], node, given[2])
@@ -147,31 +164,7 @@ def _add_part(typingctx, amplitude, place, sums):
             each = builder.fmul(each, x)
         return context.get_dummy_value()
 
-    return types.none(amplitude, place, sums), codegen
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def amplitudes(parts):
-    """Return A at β, and at −β, where q is the conjugate, from `Excitation.turned`.
-
-    (lines, 2, panels, 2·order), real and imaginary parts of the powers of x in turn.
-    """
-    lines = parts.shape[2]
-    panels = parts.shape[3] // ORDER
-    out = np.empty((lines, 2, panels, 2 * ORDER))
-    for i in range(lines):
-        rr = parts[0, 0, i]
-        ri = parts[0, 1, i]
-        ir = parts[1, 0, i]
-        ii = parts[1, 1, i]
-        for b in range(panels):
-            for n in range(ORDER):
-                k = b * ORDER + n
-                out[i, 0, b, 2 * n] = rr[k] - ii[k]
-                out[i, 0, b, 2 * n + 1] = ri[k] + ir[k]
-                out[i, 1, b, 2 * n] = rr[k] + ii[k]
-                out[i, 1, b, 2 * n + 1] = ir[k] - ri[k]
-    return out
+    return types.none(parts, types.int64, types.int64, place, sums), codegen
 
 
 @numba.njit(forceinline=True, error_model="numpy")
