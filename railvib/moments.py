@@ -144,7 +144,7 @@ def _add_part(typingctx, parts, start, plane, place, sums):
             return everywhere(builder.load(builder.gep(starts[which], [ir.Constant(number, n)])))
 
         def amplitude(n):
-            # Real times real less imaginary times imaginary, and what is left; the sign of that may be either.
+            # Real times real less imaginary times imaginary, and the rest, whose sign may be either.
             real = multiply_add(minus, term(3, n), term(0, n))
             return real, multiply_add(sign, term(2, n), term(1, n))
 
