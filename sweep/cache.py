@@ -149,6 +149,6 @@ def _sized(value: Any) -> list[_Sized]:
     for each in value.values() if isinstance(value, dict) else value:
         if isinstance(each, np.ndarray):
             found.append(_Sized(id(each), each.nbytes))
-        elif isinstance(each, dict | tuple):
+        elif isinstance(each, dict) or (isinstance(each, tuple) and each and not isinstance(each[0], float)):
             found += _sized(each)
     return found

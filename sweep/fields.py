@@ -77,6 +77,8 @@ def _plain(value: Any) -> Any:
 
 def _restored(value: Any, form: Any) -> Any:
     """Return an attribute as the dataclass holds it."""
+    if form == tuple[float, ...]:
+        return tuple(map(float, value))
     if isinstance(value, list):
         value = tuple(_restored(item, form) for item in value)
     if form in (complex, "complex"):
