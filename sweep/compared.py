@@ -39,6 +39,11 @@ def held(arrays: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
     return {name: array for name, array in found.items() if array is not None}
 
 
+def hold(array: NDArray[Any], recorded: Mapping[str, Any]) -> None:
+    """Keep in mind that an array is the recorded one, as long as somebody holds it."""
+    _in_memory[_key(recorded)] = array
+
+
 def remember(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> None:
     """Keep in mind that an array is the recorded one, and the checksums of its chunks."""
     _in_memory[_key(recorded)] = array

@@ -11,8 +11,9 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from weakref import finalize
+from weakref import finalize, ref
 
+import numpy as np
 from numpy.typing import NDArray
 
 from sweep import compared, fields, location, records, zarr_form
@@ -48,8 +49,8 @@ class Written:
         The sha256 of the group's own metadata, which repeat all of that: a reader needs no others.
     attributes
         Its attributes as JSON.
-    objects
-        What it consists of.
+    values
+        Its arrays.
     bytes_written
         Bytes that it took, without those of arrays that were there.
     """
@@ -59,7 +60,7 @@ class Written:
     metadata: str
     group_metadata: str
     attributes: bytes
-    objects: Mapping[str, bytes | memoryview]
+    values: Mapping[str, NDArray[Any]]
     bytes_written: int
 
     def recorded(self) -> dict[str, Any]:
@@ -67,13 +68,14 @@ class Written:
         return {name: getattr(self, name) for name in RECORDED}
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass
 class _Stored:
-    """What became of an array, and the key below which it lies."""
+    """What became of an array, the key below which it lies, and whether several results have it."""
 
     objects: dict[str, bytes | memoryview]
     checksum: dict[str, Any]
     key: str
+    shared: bool = False
 
 
 class Writer:
@@ -81,8 +83,8 @@ class Writer:
 
     An array that several results have in common, the same object in memory, is encoded and stored once: where
     the file system can, its files are given another name in the groups of the others. What became of an array
-    is known as long as somebody holds it. What is said of one array is often said of others as well, and is
-    stored once too.
+    is known as long as somebody holds it and, after a call of `settle`, if several results have had it. What
+    is said of one array is often said of others as well, and is stored once too.
     """
 
     def __init__(self, home: records.Home) -> None:
@@ -118,6 +120,7 @@ class Writer:
                     same[f"{each}/{zarr_form.METADATA}"] = self._heads[head]
             else:
                 encoded[each], checksums[each] = known.objects, known.checksum
+                known.shared = True
                 same |= {f"{each}/{key}": f"{known.key}/{key}" for key in known.objects}
         said = zarr_form.encode_attributes({**attributes, **extra})
         objects: dict[str, bytes | memoryview] = {
@@ -137,12 +140,24 @@ class Writer:
             if before[each] is None:
                 key = each, id(array)
                 self._stored[key] = _Stored(encoded[each], checksums[each], f"{STORE}/{group}/{each}")
-                finalize(array, self._stored.pop, key, None).atexit = False
+                finalize(array, _forget, ref(self), key).atexit = False
                 head = bytes(encoded[each][zarr_form.METADATA])
                 self._heads.setdefault(head, f"{STORE}/{group}/{each}/{zarr_form.METADATA}")
                 compared.remember_chunks(zarr_form.chunk_checksums(encoded[each]), checksums[each])
         own = hashlib.sha256(objects[zarr_form.METADATA]).hexdigest()
-        return Written(group, checksums, metadata_sha, own, said, objects, written)
+        values = {each: array for each, (array, _) in arrays.items()}
+        return Written(group, checksums, metadata_sha, own, said, values, written)
+
+    def settle(self) -> None:
+        """Let go of arrays that one result alone has had so far: as stored they take as much memory again."""
+        self._stored = {key: stored for key, stored in self._stored.items() if stored.shared}
+
+
+def _forget(writer: "ref[Writer]", key: tuple[str, int]) -> None:
+    """Let go of an array that nobody holds any more: another may be given its place in memory."""
+    alive = writer()
+    if alive is not None:
+        alive._stored.pop(key, None)
 
 
 def _above(key: str) -> list[str]:
@@ -210,14 +225,19 @@ def _read(
 
 
 def restored(written: Written, kind: type[Result]) -> Result:
-    """Return what was written as `read` does, from the same bytes, which are in memory still."""
+    """Return what was written as `read` does, from its arrays, which are in memory still."""
     found = compared.held(written.arrays)
     for name, recorded in written.arrays.items():
         if name not in found:
-            said = json.loads(bytes(written.objects[f"{name}/{zarr_form.METADATA}"]))
-            found[name], chunks = zarr_form.decode_array(name, said, written.objects)
-            compared.remember(found[name], chunks, recorded)
+            found[name] = _as_read(written.values[name])
+            compared.hold(found[name], recorded)
     return fields.joined(kind, found, json.loads(written.attributes))
+
+
+def _as_read(array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array in the form of one that has been read: other forms are other types to kernels."""
+    array = np.ascontiguousarray(array, array.dtype.newbyteorder("=")).reshape(array.shape)
+    return array if array.flags.writeable else array.copy()
 
 
 def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:

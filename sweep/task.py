@@ -196,6 +196,8 @@ def _record(
         shares = _share(unit, batch, costs, kinds)
         home = place.home(unit, kinds[unit.kind])
         stored[home].append((unit, *_store(unit, result, shares, cautions, place, writers[home], started)))
+    for writer in writers.values():
+        writer.settle()
     # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
     # computed again as a whole.
     for home, made in stored.items():

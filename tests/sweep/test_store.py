@@ -256,6 +256,20 @@ def test_what_results_have_in_common_is_stored_once(tmp_path, spectrum, monkeypa
             assert dataset.transfer.dims == ("frequency", "node")
 
 
+def test_settling_lets_go_of_what_one_result_alone_has_had(tmp_path, spectrum):
+    writer = store.Writer(tmp_path)
+    results = [dataclasses.replace(spectrum, transfer=each * spectrum.transfer) for each in (1.0, 2.0, 3.0)]
+    groups = [writer(f"spectrum/{n}", made, {}).group for n, made in enumerate(results[:2])]
+    writer.settle()
+    groups.append(writer("spectrum/2", results[2], {}).group)
+    groups.append(writer("spectrum/3", results[0], {}).group)
+    first, *others = (tmp_path / store.STORE / group for group in groups)
+    assert all((first / "frequency" / "c.0").samefile(each / "frequency" / "c.0") for each in others)
+    again = others[-1] / "transfer" / "c.0.0"
+    assert not (first / "transfer" / "c.0.0").samefile(again)
+    assert (first / "transfer" / "c.0.0").read_bytes() == again.read_bytes()
+
+
 def test_an_array_in_the_place_of_one_that_is_gone_is_another(tmp_path, spectrum):
     writer = store.Writer(tmp_path)
     written = []
