@@ -8,7 +8,6 @@ the best of them everywhere.
 """
 
 from collections.abc import Sequence
-from functools import partial
 
 import numba
 import numpy as np
@@ -116,13 +115,14 @@ class Halfway:
             worst = float((np.abs(found - direct) / size).max())
             return (np.zeros(panels), worst) if must or worst <= tolerance else None
         tried = self._slownesses if distance > 0.0 else np.zeros(1)
-        value = np.array(rows)
-        value *= self._inverse
-        check = partial(self._errors, value, direct, size, distance)
+        last, some = slice(self._first[-1], None), slice(1, None, _EVERY)
+        value = np.array([row[some] for row in rows[last]]) * self._inverse[last, some]
         everywhere = tried[:, None].repeat(panels, axis=1)
-        highest = check(slice(-1, None), slice(1, None, _EVERY), everywhere)
+        highest = self._errors(value, direct, size, distance, slice(-1, None), some, everywhere)
         if not must and highest.min(axis=0).max() > tolerance:
             return None
+        value = np.array(rows)
+        value *= self._inverse
         best, error = np.zeros(panels), np.full(panels, np.inf)
         while True:
             candidate = highest.argmin(axis=0)
@@ -132,7 +132,16 @@ class Halfway:
                 break
             slowness = tried[candidate[open_]]
             nodes = (ORDER * open_[:, None] + np.arange(ORDER)).ravel()
-            (most,) = check(slice(None), nodes if open_.size < panels else slice(None), slowness[None, :])
+            all_open = open_.size == panels
+            (most,) = self._errors(
+                value if all_open else value[:, nodes],
+                direct,
+                size,
+                distance,
+                slice(None),
+                slice(None) if all_open else nodes,
+                slowness[None, :],
+            )
             highest[candidate[open_], open_] = np.inf
             better = most < error[open_]
             best[open_[better]], error[open_[better]] = slowness[better], most[better]
@@ -151,7 +160,8 @@ class Halfway:
     ) -> np.ndarray:
         """Return the largest relative errors at some places and nodes with waves taken out, (sets, panels).
 
-        `slownesses` are sets of those of the panels' waves, of the same shape.
+        `value` holds the rows that these places need at these nodes. `slownesses` are sets of those of the
+        panels' waves, of the same shape.
         """
         first = self._first[which]
         own = slice(first[0], first[-1] + STENCIL)
@@ -162,7 +172,7 @@ class Halfway:
         beta = some(self._row_beta[own])
         return np.asarray(
             _largest_errors(
-                some(value[own]).view(float),
+                np.ascontiguousarray(value).view(float),
                 beta,
                 self._row_omega[own],
                 first - own.start,

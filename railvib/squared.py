@@ -173,11 +173,14 @@ def squared_at(function: TransferFunction, block: int, level: int, ks: np.ndarra
     table = function.blocks[block]
     step = 2 ** (level - table.level)
     there = ks % step == 0
-    own = ks[there] // step - blocks.indices(block, table.level)[0]
+    rows = ks[there] // step - blocks.indices(block, table.level)[0]
+    # Rows that follow one another need no copy.
+    follow = rows.size > 0 and rows[-1] - rows[0] == rows.size - 1
+    own = _square(table.transfer[rows[0] : rows[-1] + 1] if follow else table.transfer[rows])
     if there.all():
-        return _square(table.transfer[own])
-    value = np.empty((ks.size, table.transfer.shape[1]))
-    value[there] = _square(table.transfer[own])
+        return own
+    value = np.empty((ks.size, own.shape[1]))
+    value[there] = own
     value[~there] = _evaluated(table, function.track, blocks.frequency(level, ks[~there]))
     return value
 
