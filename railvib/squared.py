@@ -20,7 +20,6 @@ from railvib.track import Track, load, parameters
 from railvib.transfer import MOST_DECAY, Nodes, Receiver, TransferBlock, TransferFunction
 from railvib.vector_math import LANES, exp
 
-_CHECKS = 5
 _LEVELS_BEYOND, _MOST_LEVELS = 3, 6
 """Levels beyond that of the table, between whose frequencies nothing new is known, and levels at all."""
 _HALVING = 2.0 ** (STENCIL / 2)
@@ -28,7 +27,6 @@ _HALVING = 2.0 ** (STENCIL / 2)
 it goes with sinⁿ of half the turn over the step, n being the length of the stencil."""
 _SMALL = 1e-8
 """Of a square's peak, below which errors are relative to that: excitations do not differ by as much."""
-
 _NEGLIGIBLE = 1e-16
 """Share of ∫ |H̃|² below which a panel is passed over: no excitation is stronger than another by that much."""
 
@@ -81,7 +79,7 @@ def square_level(
     if error <= _HALVING * tolerance:
         return min(table.level + 1, last)
     for level in range(table.level + 1, last):
-        between = blocks.frequency(level + 1, blocks.halfway(table.block, level, _CHECKS))
+        between = blocks.frequency(level + 1, blocks.halfway(table.block, level, place.size))
         first, weight = blocks.stencils(table.block, level, between)
         rows = np.unique(first[:, None] + np.arange(STENCIL))
         near = _evaluated(table, track, blocks.frequency(level, blocks.indices(table.block, level)[rows]))

@@ -46,7 +46,7 @@ def hold(array: NDArray[Any], recorded: Mapping[str, Any]) -> None:
 
 def remember(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> None:
     """Keep in mind that an array is the recorded one, and the checksums of its chunks."""
-    _in_memory[_key(recorded)] = array
+    hold(array, recorded)
     remember_chunks(chunks, recorded)
 
 
