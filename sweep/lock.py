@@ -4,12 +4,13 @@ The file is linked to its name whole, so that one of several wins, on network fi
 process lives can be told on its own host only: the lock of another host is left to the person who knows.
 """
 
+import fcntl
 import json
 import os
 import socket
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -77,7 +78,8 @@ def held(directory: Path) -> Iterator[Holder | None]:
     Raises
     ------
     InputError
-        If a process holds it that lives, or that cannot be seen from here.
+        If a process holds it that lives, or that cannot be seen from here; or if that process is dead but the
+        file system does not let its lock be taken over.
     """
     directory.mkdir(parents=True, exist_ok=True)
     path = directory / LOCK
@@ -117,22 +119,33 @@ def _link(path: Path, mine: Holder) -> bool:
 
 
 def _remove(path: Path, dead: Holder) -> bool:
-    """Take away the lock of a dead process, and put back what another has put in its place meanwhile."""
-    aside = _aside(path)
+    """Take away the lock of a dead process, unless another has taken its place; return whether that was done.
+
+    Only processes of this host do so, one at a time: each locks the very file that it means to take away, so
+    that the lock of a living one stays where it is all the while.
+    """
     try:
-        path.rename(aside)
+        with path.open("rb+") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            if not os.path.samestat(os.fstat(file.fileno()), path.stat()) or _parsed(file.read()) != dead:
+                return False
+            path.unlink()
     except FileNotFoundError:
         return False
-    mistaken = _read(aside) != dead
-    if mistaken:
-        with suppress(FileExistsError):
-            os.link(aside, path)
-    aside.unlink()
-    return not mistaken
+    except OSError as fault:
+        raise InputError(
+            f"{path}: is the lock of {dead}, which runs no more, but cannot be taken over "
+            f"({fault.strerror}); remove it"
+        ) from fault
+    return True
 
 
 def _read(path: Path) -> Holder:
-    return Holder(**json.loads(path.read_bytes()))
+    return _parsed(path.read_bytes())
+
+
+def _parsed(content: bytes) -> Holder:
+    return Holder(**json.loads(content))
 
 
 def _aside(path: Path) -> Path:

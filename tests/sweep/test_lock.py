@@ -1,8 +1,10 @@
+import errno
 import json
 import os
 import subprocess
 import sys
 import threading
+import time
 
 import psutil
 import pytest
@@ -67,15 +69,17 @@ def test_the_lock_of_another_host_is_left_to_the_user(tmp_path):
     assert lock.holder(tmp_path).host == "elsewhere"
 
 
-def test_one_of_many_takes_over(tmp_path):
+@pytest.mark.parametrize("attempt", range(20))
+def test_one_of_many_takes_over(tmp_path, attempt):
     """Threads of one process stand for drivers: each tries until it has been in, one at a time."""
     leave(tmp_path, pid=ended())
     inside, most, entered = 0, 0, 0
     guard = threading.Lock()
+    patience = time.monotonic() + 60.0
 
     def enter():
         nonlocal inside, most, entered
-        while True:
+        while time.monotonic() < patience:
             try:
                 with lock.held(tmp_path):
                     with guard:
@@ -94,6 +98,27 @@ def test_one_of_many_takes_over(tmp_path):
         thread.join()
     assert (most, entered) == (1, 8)
     assert os.listdir(tmp_path) == []
+
+
+def test_who_comes_late_to_a_dead_lock_leaves_the_new_one_where_it_is(tmp_path):
+    leave(tmp_path, pid=ended())
+    dead, path = lock.holder(tmp_path), tmp_path / lock.LOCK
+    with lock.held(tmp_path):
+        before = path.stat()
+        assert not lock._remove(path, dead)
+        assert path.stat().st_ctime_ns == before.st_ctime_ns  # which moving it away and back would change
+
+
+def test_a_dead_lock_that_cannot_be_taken_over_is_left_to_the_user(tmp_path, monkeypatch):
+    def without_locks(file, operation):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    leave(tmp_path, pid=ended())
+    monkeypatch.setattr(lock.fcntl, "flock", without_locks)
+    with pytest.raises(InputError, match=r"run\.lock: .* runs no more, .* \(No locks available\); remove it"):
+        with lock.held(tmp_path):
+            pass
+    assert lock.holder(tmp_path).gone
 
 
 def test_a_run_refuses_a_directory_in_use(tmp_path):
