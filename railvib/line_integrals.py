@@ -41,6 +41,7 @@ class LineIntegrals:
             "dims": ("frequency", "distance"),
             "unit": "m3/N2",
             "description": "line integral of the squared response",
+            "own": True,
         }
     )
     block: np.ndarray = field(metadata={"dims": ("block",), "unit": "", "description": "index of the block"})
@@ -52,6 +53,7 @@ class LineIntegrals:
             "dims": ("block",),
             "unit": "1",
             "description": "largest error half-way between frequencies, relative to the integral at 0 m",
+            "own": True,
         }
     )
 
@@ -90,17 +92,23 @@ def line_integrals(
     for block in which:
         for receiver, table in _block(receivers, d, block, tolerance, int(np.log2(refinement))).items():
             made[receiver].append(table)
-    return {
-        receiver: LineIntegrals(
-            np.concatenate([each.frequency for each in tables]),
+    rows = {tuple((each.block, each.level) for each in tables): tables for tables in made.values()}
+    common = {
+        key: (np.concatenate([each.frequency for each in tables]), *np.array(key).reshape(-1, 2).T.copy())
+        for key, tables in rows.items()
+    }
+    integrals = {}
+    for receiver, tables in made.items():
+        frequency, block, level = common[tuple((each.block, each.level) for each in tables)]
+        integrals[receiver] = LineIntegrals(
+            frequency,
             d,
             np.concatenate([each.integral for each in tables]),
-            np.array([each.block for each in tables]),
-            np.array([each.level for each in tables]),
+            block,
+            level,
             np.array([each.error for each in tables]),
         )
-        for receiver, tables in made.items()
-    }
+    return integrals
 
 
 class _Block(NamedTuple):

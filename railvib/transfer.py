@@ -37,6 +37,9 @@ TOP = 1.3
 MOST_DECAY = 60.0
 """Exponent beyond which the decay of a reference wave is cut: nothing is left."""
 
+OWN = {"own": True}
+"""Marks what tables of one block and class of receivers differ in."""
+
 
 @dataclass(frozen=True)
 class TransferBlock:
@@ -52,6 +55,7 @@ class TransferBlock:
             "unit": "m2/N",
             "description": "displacement of the receiver per load on the rail",
             "called_by": "receiver",
+            **OWN,
         }
     )
     compliance: np.ndarray | None = field(
@@ -90,24 +94,24 @@ class TransferBlock:
     )
     quadrature: tuple[float, ...]
     """Frequencies at which the fit failed and direct quadrature took its place, Hz."""
-    receiver: str
+    receiver: str = field(metadata=OWN)
     """``"rail"`` or ``"ground"``; the transfer function is stored under this name."""
-    offset: float
+    offset: float = field(metadata=OWN)
     """Distance of the receiver from the centre line, m; NaN on the rail."""
     block: int
     """Index of the block, see `railvib.blocks`."""
     level: int
-    square_level: int
+    square_level: int = field(metadata=OWN)
     """Level of the frequencies between which |H̃|² can be interpolated, see `railvib.squared`."""
     top_slowness: float
     """Slowness at u = 1, s/m."""
     largest: float
     """Wavenumber at u = 2, rad/m."""
-    distance: float
+    distance: float = field(metadata=OWN)
     """Distance that waves travel from the track's edge, m; 0 on the rail and under the track."""
-    reference_slowness: tuple[float, ...]
+    reference_slowness: tuple[float, ...] = field(metadata=OWN)
     """Slowness of the undamped wave that is taken out of each panel before interpolating, s/m."""
-    interpolation_error: float
+    interpolation_error: float = field(metadata=OWN)
     """Largest relative error of interpolation between the frequencies, where it was checked."""
     compliance_error: float
     """Largest relative error of the ground's compliance against direct quadrature, where it was checked."""

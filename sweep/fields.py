@@ -2,13 +2,14 @@
 
 Fields whose metadata name their dimensions are arrays, `field(metadata={"dims": ("frequency", "node"),
 "unit": "m/N", "description": "..."})`; all others, and arrays of text, are attributes. With "called_by" an
-array takes its name from another field: H of the rail is stored as `rail`.
+array takes its name from another field: H of the rail is stored as `rail`. Fields marked as "own" are those
+in which results differ that have all other arrays in common.
 """
 
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +17,42 @@ from numpy.typing import NDArray
 Result = TypeVar("Result")
 
 
-def split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]]], dict[str, Any]]:
+Arrays = dict[str, tuple[NDArray[Any], Mapping[str, Any]]]
+"""Arrays with their metadata, by name."""
+
+
+class Parts(NamedTuple):
+    """What a result consists of: what it may have in common with others, and what is its own."""
+
+    arrays: Arrays
+    attributes: dict[str, Any]
+    own_arrays: Arrays
+    own_attributes: dict[str, Any]
+
+    @property
+    def all_arrays(self) -> Arrays:
+        """All its arrays."""
+        return self.arrays | self.own_arrays
+
+    @property
+    def all_attributes(self) -> dict[str, Any]:
+        """All its attributes."""
+        return self.attributes | self.own_attributes
+
+    @property
+    def sharing(self) -> tuple[tuple[str, int], ...]:
+        """The identities of its arrays that others may have: equal for those that have all of them."""
+        return tuple((name, id(array)) for name, (array, _) in self.arrays.items())
+
+
+def split(result: Any) -> Parts:
     """Part the fields of a dataclass into arrays with their metadata and attributes; check dimensions."""
-    arrays: dict[str, tuple[NDArray[Any], Mapping[str, Any]]] = {}
-    attributes: dict[str, Any] = {}
+    parts = Parts({}, {}, {}, {})
     sizes: dict[str, int] = {}
     for field in dataclasses.fields(result):
         value = getattr(result, field.name)
+        own = bool(field.metadata.get("own"))
+        arrays, attributes = parts[2:] if own else parts[:2]
         if "dims" not in field.metadata:
             attributes[field.name] = _plain(value)
             continue
@@ -43,7 +73,7 @@ def split(result: Any) -> tuple[dict[str, tuple[NDArray[Any], Mapping[str, Any]]
                     f"{type(result).__name__}.{field.name}: {size} along {dim}, others have {sizes[dim]}"
                 )
         arrays[_called(field, lambda name: getattr(result, name))] = (array, field.metadata)
-    return arrays, attributes
+    return parts
 
 
 def joined(kind: type[Result], found: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]) -> Result:

@@ -100,7 +100,7 @@ class _Part:
     directory: Path | str
     group: str
     values: str
-    """Name of the array of values; the other one is called wavenumber."""
+    """Key of the array of values; the other one is called wavenumber."""
     key: Key
     block: int
     inside: NDArray[np.bool_]
@@ -120,7 +120,7 @@ def _parts(directory: Path | str, record: Mapping[str, Any], soil: str, track: s
         yield _Part(
             directory,
             group,
-            values,
+            store.own_key(values, record.get("member")),
             (soil, track, third),
             int(block),
             inside,

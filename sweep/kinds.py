@@ -78,6 +78,8 @@ class Kind:
         Bytes that computing a unit needs beyond an idle worker.
     at_once
         How many units of a task need that at the same time, at most; all of them if it is None.
+    label
+        What tells units apart whose results may lie in one group; None where each has its own.
     """
 
     result: type
@@ -88,6 +90,7 @@ class Kind:
     size: Callable[[Inputs], int]
     memory: Callable[[Inputs], int]
     at_once: int | None = None
+    label: Callable[[Inputs], str] | None = None
 
 
 def registry(module: str) -> Mapping[str, Kind]:

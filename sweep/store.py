@@ -1,8 +1,10 @@
 """Results as immutable Zarr groups: a frozen dataclass of arrays in, the same dataclass or plain arrays out.
 
-What of a dataclass is an array says `sweep.fields`; all else goes to the group's attributes. A group is
-encoded in memory and named after its content, and never changes. An array is one chunk or is cut along its
-first dimension in `sweep.zarr_form` alone: no caller can write part of a chunk.
+What of a dataclass is an array says `sweep.fields`; all else goes to attributes. Results that have most of
+their arrays in common can lie in one group, the transfer functions of several receivers: each of them has
+arrays of its own there, with its own attributes. A group is encoded in memory and named after its content,
+and never changes. An array is one chunk or is cut along its first dimension in `sweep.zarr_form` alone: no
+caller can write part of a chunk.
 """
 
 import dataclasses
@@ -18,15 +20,16 @@ from numpy.typing import NDArray
 
 from sweep import compared, fields, location, records, zarr_form
 from sweep.fields import Result
+from sweep.group import MEMBER, Group, Recorded, metadata_digest
 from sweep.group import DamagedError as DamagedError
-from sweep.group import Group, Recorded, metadata_digest
+from sweep.group import own_key as own_key
 
 if TYPE_CHECKING:
     import zarr
 
 STORE = "transfer_functions.zarr"
 CHUNK_BYTES = 64 * 2**20
-RECORDED = ("group", "arrays", "metadata", "group_metadata")
+RECORDED = ("group", "member", "arrays", "metadata", "group_metadata")
 """What a record holds of a group."""
 _DIGITS = 16
 """Of the digest in a group's name, hexadecimal."""
@@ -35,12 +38,14 @@ _EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
 
 @dataclasses.dataclass(frozen=True)
 class Written:
-    """What a write left, for its record.
+    """What a write left, for the record of a result.
 
     Attributes
     ----------
     group
         Where it is in the store.
+    member
+        Which result of the group it is, if there may be others.
     arrays
         Per array its sha256, shape and dtype.
     metadata
@@ -52,10 +57,11 @@ class Written:
     values
         Its arrays.
     bytes_written
-        Bytes that it took, without those of arrays that were there.
+        Its part of the bytes that the group took, without those of arrays that were there.
     """
 
     group: str
+    member: str | None
     arrays: dict[str, dict[str, Any]]
     metadata: str
     group_metadata: str
@@ -70,12 +76,34 @@ class Written:
 
 @dataclasses.dataclass
 class _Stored:
-    """What became of an array, the key below which it lies, and whether several results have it."""
+    """What became of an array, the key below which it lies, and whether several groups have it."""
 
-    objects: dict[str, bytes | memoryview]
+    objects: Mapping[str, bytes | memoryview]
     checksum: dict[str, Any]
     key: str
     shared: bool = False
+
+
+@dataclasses.dataclass
+class _Encoded:
+    """The arrays of a group: of each the objects and the checksum, and where other groups have them.
+
+    Attributes
+    ----------
+    fresh
+        Arrays that no other group has yet, though it may.
+    """
+
+    objects: dict[str, Mapping[str, bytes | memoryview]] = dataclasses.field(default_factory=dict)
+    checksums: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
+    same: dict[str, str] = dataclasses.field(default_factory=dict)
+    fresh: dict[str, NDArray[Any]] = dataclasses.field(default_factory=dict)
+
+    def encode(self, key: str, array: NDArray[Any], metadata: Mapping[str, Any]) -> None:
+        """Add an array that no other group has."""
+        self.objects[key] = zarr_form.encode_array(key, array, metadata, CHUNK_BYTES)
+        self.checksums[key] = compared.checksum(array)
+        compared.remember_chunks(zarr_form.chunk_checksums(self.objects[key]), self.checksums[key])
 
 
 class Writer:
@@ -94,59 +122,112 @@ class Writer:
         self._ensured: set[str] = set()
 
     def __call__(self, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
-        """Write `result`, a frozen dataclass of arrays.
+        """Write `result`, a frozen dataclass of arrays, as a group of its own; see `together`."""
+        parts = fields.split(result)
+        whole = fields.Parts(parts.all_arrays, parts.all_attributes, {}, {})
+        (written,) = self._write(name, {None: whole}, attributes)
+        return written
+
+    def together(
+        self, name: str, results: Mapping[str, tuple[Any, Mapping[str, Any]]], attributes: Mapping[str, Any]
+    ) -> list[Written]:
+        """Write results that have all in common but what is their own as one group; `sharing` finds them.
 
         The group is called `name` and a digest of what is in it. So writers whose results differ in the last
         digit never touch each other's, and a record names the group that it stands for.
 
+        Parameters
+        ----------
+        name
+            What the group is called.
+        results
+            By their labels the results, and what else is said of each.
+        attributes
+            What is said of all of them.
+
         Raises
         ------
         ValueError
-            If an array does not have the dimensions that its field declares, or an attribute cannot be
-            stored.
+            If an array does not have the dimensions that its field declares, an attribute cannot be
+            stored, or results differ in what is not their own.
         """
-        arrays, extra = fields.split(result)
-        before = {each: self._stored.get((each, id(array))) for each, (array, _) in arrays.items()}
-        encoded: dict[str, dict[str, bytes | memoryview]] = {}
-        checksums: dict[str, dict[str, Any]] = {}
-        same: dict[str, str] = {}
-        for each, (array, metadata) in arrays.items():
-            known = before[each]
-            if known is None:
-                encoded[each] = zarr_form.encode_array(each, array, metadata, CHUNK_BYTES)
-                checksums[each] = compared.checksum(array)
-                head = bytes(encoded[each][zarr_form.METADATA])
-                if head in self._heads:
-                    same[f"{each}/{zarr_form.METADATA}"] = self._heads[head]
-            else:
-                encoded[each], checksums[each] = known.objects, known.checksum
-                known.shared = True
-                same |= {f"{each}/{key}": f"{known.key}/{key}" for key in known.objects}
-        said = zarr_form.encode_attributes({**attributes, **extra})
-        objects: dict[str, bytes | memoryview] = {
-            zarr_form.METADATA: zarr_form.encode_group(encoded, said),
-            **{f"{each}/{key}": content for each in encoded for key, content in encoded[each].items()},
-        }
-        metadata_sha = metadata_digest(objects)
-        content = json.dumps([checksums, metadata_sha], sort_keys=True)
-        group = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
+        members: dict[str | None, fields.Parts] = {}
+        for label, (result, said) in results.items():
+            parts = fields.split(result)
+            members[label] = parts._replace(own_attributes=parts.own_attributes | dict(said))
+        return self._write(name, members, attributes)
+
+    def _write(
+        self, name: str, members: Mapping[str | None, fields.Parts], attributes: Mapping[str, Any]
+    ) -> list[Written]:
+        """Write a group of results by their labels; None is the label of one that is the whole group."""
+        first, *others = members.values()
+        if any(each.sharing != first.sharing or each.attributes != first.attributes for each in others):
+            raise ValueError(f"{name}: results of one group differ in what is not their own")
+        group = _Encoded()
+        for key, (array, metadata) in first.arrays.items():
+            self._add(group, key, array, metadata)
+        for label, parts in members.items():
+            said = {"attributes": {**parts.own_attributes, MEMBER: label}}
+            for each, (array, metadata) in parts.own_arrays.items():
+                group.encode(own_key(each, label), array, {**metadata, **said})
+        head = zarr_form.encode_group(
+            group.objects, zarr_form.encode_attributes({**attributes, **first.attributes})
+        )
+        objects: dict[str, bytes | memoryview] = {zarr_form.METADATA: head}
+        for key, array_objects in group.objects.items():
+            objects |= {f"{key}/{each}": content for each, content in array_objects.items()}
+        digest = metadata_digest(objects)
+        content = json.dumps([group.checksums, digest], sort_keys=True)
+        place = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
+        size = self._put(f"{STORE}/{place}", objects, group)
+        written = []
+        for number, (label, parts) in enumerate(members.items()):
+            keys = {each: each for each in parts.arrays}
+            keys |= {each: own_key(each, label) for each in parts.own_arrays}
+            written.append(
+                Written(
+                    group=place,
+                    member=label,
+                    arrays={each: group.checksums[key] for each, key in keys.items()},
+                    metadata=digest,
+                    group_metadata=hashlib.sha256(head).hexdigest(),
+                    attributes=zarr_form.encode_attributes({**attributes, **parts.all_attributes}),
+                    values={each: array for each, (array, _) in parts.all_arrays.items()},
+                    bytes_written=size // len(members) + (number < size % len(members)),
+                )
+            )
+        return written
+
+    def _add(self, group: _Encoded, key: str, array: NDArray[Any], metadata: Mapping[str, Any]) -> None:
+        """Add an array to a group that others may have as well."""
+        stored = self._stored.get((key, id(array)))
+        if stored is None:
+            group.encode(key, array, metadata)
+            group.fresh[key] = array
+            head = bytes(group.objects[key][zarr_form.METADATA])
+            if head in self._heads:
+                group.same[f"{key}/{zarr_form.METADATA}"] = self._heads[head]
+        else:
+            stored.shared = True
+            group.objects[key], group.checksums[key] = stored.objects, stored.checksum
+            group.same |= {f"{key}/{each}": f"{stored.key}/{each}" for each in stored.objects}
+
+    def _put(self, prefix: str, objects: Mapping[str, bytes | memoryview], group: _Encoded) -> int:
+        """Write a group to its place, and keep in mind where its arrays are; return the bytes written."""
         place = location.at(self._home)
-        for level in _above(f"{STORE}/{group}"):
+        for level in _above(prefix):
             if level not in self._ensured:  # so that the store can be walked from its root
                 place.ensure(f"{level}/{zarr_form.METADATA}", _EMPTY_GROUP)
                 self._ensured.add(level)
-        written = place.put(f"{STORE}/{group}", objects, same)
-        for each, (array, _) in arrays.items():
-            if before[each] is None:
-                key = each, id(array)
-                self._stored[key] = _Stored(encoded[each], checksums[each], f"{STORE}/{group}/{each}")
-                finalize(array, _forget, ref(self), key).atexit = False
-                head = bytes(encoded[each][zarr_form.METADATA])
-                self._heads.setdefault(head, f"{STORE}/{group}/{each}/{zarr_form.METADATA}")
-                compared.remember_chunks(zarr_form.chunk_checksums(encoded[each]), checksums[each])
-        own = hashlib.sha256(objects[zarr_form.METADATA]).hexdigest()
-        values = {each: array for each, (array, _) in arrays.items()}
-        return Written(group, checksums, metadata_sha, own, said, values, written)
+        written = place.put(prefix, objects, group.same)
+        for key, array in group.fresh.items():
+            known = key, id(array)
+            self._stored[known] = _Stored(group.objects[key], group.checksums[key], f"{prefix}/{key}")
+            finalize(array, _forget, ref(self), known).atexit = False
+            head = bytes(group.objects[key][zarr_form.METADATA])
+            self._heads.setdefault(head, f"{prefix}/{key}/{zarr_form.METADATA}")
+        return written
 
     def settle(self) -> None:
         """Let go of arrays that one result alone has had so far: as stored they take as much memory again."""
@@ -166,6 +247,15 @@ def _above(key: str) -> list[str]:
     return ["/".join(parts[:number]) for number in range(1, len(parts) + 1)]
 
 
+def sharing(results: Mapping[Any, Any]) -> list[list[Any]]:
+    """Return the keys of results that have all arrays in common but their own, list by list."""
+    together: dict[Any, list[Any]] = {}
+    for key, result in results.items():
+        parts = fields.split(result)
+        together.setdefault((parts.sharing, repr(parts.attributes)), []).append(key)
+    return list(together.values())
+
+
 def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
     """Write one result as `Writer` does."""
     return Writer(home)(name, result, attributes)
@@ -178,6 +268,7 @@ def read(
     arrays: Recorded | None = None,
     metadata: str | None = None,
     group_metadata: str | None = None,
+    member: str | None = None,
 ) -> Result:
     """Read a group of the store at `home` back as the dataclass `kind`, compared with what its record holds.
 
@@ -190,7 +281,7 @@ def read(
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    values, attributes = _read(home, group, arrays, metadata, group_metadata)
+    values, attributes = _read(home, group, arrays, metadata, group_metadata, member)
     return fields.joined(kind, values, attributes)
 
 
@@ -214,13 +305,14 @@ def _read(
     arrays: Recorded | None,
     metadata: str | None,
     group_metadata: str | None,
+    member: str | None,
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     place, prefix = location.at(home), f"{STORE}/{group}"
     known = compared.held(arrays or {})
     if group_metadata is None:
-        found = Group.whole(place, prefix, group, metadata)
+        found = Group.whole(place, prefix, group, metadata, member)
     else:
-        found = Group.needed(place, prefix, group, group_metadata, known)
+        found = Group.needed(place, prefix, group, group_metadata, known, member)
     return found.arrays() if arrays is None else found.verified(arrays, known), found.attributes
 
 
@@ -260,15 +352,17 @@ def check(directory: Path | str, record: Mapping[str, Any]) -> None:
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    _whole(directory, record["group"], record.get("metadata")).check(record["arrays"])
+    _whole(directory, record["group"], record.get("metadata"), record.get("member")).check(record["arrays"])
 
 
-def _whole(directory: Path | str, group: str, metadata: str | None = None) -> Group:
-    return Group.whole(location.at(_home(directory, group)), f"{STORE}/{group}", group, metadata)
+def _whole(
+    directory: Path | str, group: str, metadata: str | None = None, member: str | None = None
+) -> Group:
+    return Group.whole(location.at(_home(directory, group)), f"{STORE}/{group}", group, metadata, member)
 
 
 def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":
-    """Return one array of a group that a run rests on, to be read in parts."""
+    """Return one array of a group that a run rests on by its key there, to be read in parts."""
     import zarr
 
     place = location.at(_home(directory, group))

@@ -191,11 +191,13 @@ def _record(
     started: str,
 ) -> Iterator[tuple[bool, int, list[str]]]:
     """Store and commit a batch; yield what `_compute` does."""
+    shares = {unit: _share(unit, batch, costs, kinds) for unit in batch}
     stored: dict[str, list[tuple[Unit, dict[str, Any], store.Written]]] = {home: [] for home in writers}
-    for unit, result in batch.items():
-        shares = _share(unit, batch, costs, kinds)
-        home = place.home(unit, kinds[unit.kind])
-        stored[home].append((unit, *_store(unit, result, shares, cautions, place, writers[home], started)))
+    for group in _groups(batch, kinds):
+        one = next(iter(group))
+        kind = kinds[one.kind]
+        home = place.home(one, kind)
+        stored[home] += _store(group, kind, shares, cautions, place, writers[home], started)
     for writer in writers.values():
         writer.settle()
     # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
@@ -268,35 +270,53 @@ def _hold(unit: Unit, place: Place, result: Any) -> None:
     _cache.put((place.directory, unit.id), result)
 
 
+def _groups(batch: Mapping[Unit, Any], kinds: Mapping[str, Kind]) -> Iterator[dict[Unit, Any]]:
+    """Part a batch into the results of one kind that are stored as one group."""
+    several: dict[str, dict[Unit, Any]] = {}
+    for unit, result in batch.items():
+        if kinds[unit.kind].label is None:
+            yield {unit: result}
+        else:
+            several.setdefault(unit.kind, {})[unit] = result
+    for results in several.values():
+        for units in store.sharing(results):
+            yield {unit: results[unit] for unit in units}
+
+
 def _store(
-    unit: Unit,
-    result: Any,
-    costs: list[dict[str, Any]],
+    group: Mapping[Unit, Any],
+    kind: Kind,
+    shares: Mapping[Unit, list[dict[str, Any]]],
     cautions: list[str],
     place: Place,
     writer: store.Writer,
     started: str,
-) -> tuple[dict[str, Any], store.Written]:
-    """Store a result; return its record and what was written."""
+) -> list[tuple[Unit, dict[str, Any], store.Written]]:
+    """Store results as one group; return of each its unit, its record and what was written."""
     cpu, wall = time.process_time(), time.perf_counter()
-    written = writer(
-        f"{unit.kind}/{unit.id}",
-        result,
-        {"kind": unit.kind, "unit_id": unit.id, "model_version": railvib.MODEL_VERSION},
-    )
-    storing = {
-        **vars(cost.StageCost("store", time.perf_counter() - wall, time.process_time() - cpu)),
-        "peak_rss_bytes": _peak(),
-        "bytes_written": written.bytes_written,
-    }
-    record = {
-        **_head(unit, place, started),
-        "status": "done",
-        **written.recorded(),
-        "costs": [*costs, storing],
-        "warnings": cautions,
-    }
-    return record, written
+    first = next(iter(group))
+    name = f"{first.kind}/{first.id}"
+    said = {"kind": first.kind, "model_version": railvib.MODEL_VERSION}
+    if kind.label is None:
+        made = [writer(name, group[first], {**said, "unit_id": first.id})]
+    else:
+        labelled = {kind.label(unit.inputs): (result, {"unit_id": unit.id}) for unit, result in group.items()}
+        made = writer.together(name, labelled, said)
+    wall_s = (time.perf_counter() - wall) / len(group)
+    cpu_s = (time.process_time() - cpu) / len(group)
+    spent = vars(cost.StageCost("store", wall_s, cpu_s, peak_rss_bytes=_peak()))
+    stored = []
+    for unit, written in zip(group, made, strict=True):
+        storing = {**spent, "bytes_written": written.bytes_written}
+        record = {
+            **_head(unit, place, started),
+            "status": "done",
+            **written.recorded(),
+            "costs": [*shares[unit], storing],
+            "warnings": cautions,
+        }
+        stored.append((unit, record, written))
+    return stored
 
 
 def _record_failure(missing: Iterable[Unit], place: Place, started: str, text: str) -> None:

@@ -426,6 +426,12 @@ def _together(*names: str) -> Callable[[Inputs], str]:
     return lambda inputs: identity.digest({name: inputs[name] for name in names if name in inputs})
 
 
+def _label(inputs: Inputs) -> str:
+    """Return what a unit's arrays are called after among those of other receivers."""
+    receiver = inputs["receiver"]
+    return "" if receiver == RAIL else repr(float(receiver)).removesuffix(".0")
+
+
 def waves_between(inputs: Inputs) -> float:
     """Return how many wavelengths lie between track and receiver at a block's highest frequency, at most.
 
@@ -537,6 +543,7 @@ KINDS: dict[str, Kind] = {
         size=_transfer_bytes,
         memory=_transfer_memory,
         at_once=VALUES_AT_ONCE,
+        label=_label,
     ),
     "receptance": Kind(
         result=Receptances,
@@ -565,6 +572,7 @@ KINDS: dict[str, Kind] = {
         size=_line_integral_bytes,
         memory=_line_integral_memory,
         at_once=RECEIVERS_AT_ONCE,
+        label=_label,
     ),
     "quasi_static": Kind(
         result=QuasiStatic,

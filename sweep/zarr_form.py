@@ -46,7 +46,7 @@ def encode_array(
     Parameters
     ----------
     metadata
-        `dims`, and `unit` and `description` if it has them.
+        `dims`, `unit` and `description` if it has them, and `attributes` if there are more.
     chunk_bytes
         Size from which the array is cut along its first dimension.
     """
@@ -82,15 +82,18 @@ def encode_group(arrays: Mapping[str, Objects], attributes: bytes) -> bytes:
     return _GROUP % (attributes, repeated)
 
 
-def decode_group(content: bytes | bytearray | memoryview) -> tuple[dict[str, Any], dict[str, Any]]:
+@lru_cache(32)
+def decode_group(content: bytes) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
     """Return what a group repeats of its arrays' metadata by their names, and its attributes.
+
+    Kept for the next results of the same group.
 
     Raises
     ------
     ValueError, KeyError, TypeError
         If it is not in the form of `encode_group`.
     """
-    group = json.loads(bytes(content))
+    group = json.loads(content)
     return group["consolidated_metadata"]["metadata"], group["attributes"]
 
 
@@ -138,6 +141,7 @@ def _array_metadata(
         "attributes": {
             "units": metadata.get("unit", "1"),
             "long_name": metadata.get("description", name),
+            **metadata.get("attributes", {}),
         },
         "dimension_names": list(metadata["dims"]),
         "storage_transformers": [],

@@ -16,13 +16,13 @@ def largest_difference(one: Path, other: Path) -> tuple[float, int]:
     InputError
         If they do not hold the same units and arrays.
     """
-    groups = [{each["unit_id"]: each["group"] for each in records.committed(at)} for at in (one, other)]
-    if groups[0].keys() != groups[1].keys():
+    found = [{each["unit_id"]: each for each in records.committed(at)} for at in (one, other)]
+    if found[0].keys() != found[1].keys():
         raise InputError(f"{one} and {other}: do not hold the same units")
     worst, compared = 0.0, 0
-    for unit, group in groups[0].items():
-        here, _ = store.read_arrays(one, group)
-        there, _ = store.read_arrays(other, groups[1][unit])
+    for unit, record in found[0].items():
+        here, _ = store.read_recorded(one, record)
+        there, _ = store.read_recorded(other, found[1][unit])
         if here.keys() != there.keys():
             raise InputError(f"{one} and {other}: the arrays of {unit} differ")
         for name, array in here.items():

@@ -65,7 +65,8 @@ def test_database_and_spectra_computed_again_from_the_store_agree(results, run_d
 
     def load(needed: Unit):
         record = records.find(run_directory, needed.kind, needed.id)
-        return store.read(run_directory, record["group"], units.KINDS[needed.kind].result)
+        recorded = {name: record[name] for name in store.RECORDED}
+        return store.read(run_directory, kind=units.KINDS[needed.kind].result, **recorded)
 
     (again,) = (result for made in units.KINDS["spectra"].compute([unit], load) for result in made.values())
     assert len(again.receiver) > 20

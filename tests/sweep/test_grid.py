@@ -31,7 +31,7 @@ def inside(arrays, block):
 def test_the_grid_holds_what_is_stored(computed, grid):
     column = grid.sel(soil="horstwalde", track="ballasted-paper").compute()
     for record in records.committed(computed / "out", "transfer"):
-        arrays, attributes = store.read_arrays(computed / "out", record["group"])
+        arrays, attributes = store.read_recorded(computed / "out", record)
         stored = arrays["rail" if record["inputs"]["receiver"] == "rail" else "ground"]
         assert attributes["receiver"] in arrays
         kept = inside(arrays, record["inputs"]["block"])
@@ -44,7 +44,7 @@ def test_the_grid_holds_what_is_stored(computed, grid):
 
 def test_it_holds_nothing_else(computed, grid):
     rows = sum(
-        inside(store.read_arrays(computed / "out", record["group"])[0], record["inputs"]["block"]).sum()
+        inside(store.read_recorded(computed / "out", record)[0], record["inputs"]["block"]).sum()
         for record in records.committed(computed / "out", "transfer")
     )
     assert np.isfinite(grid.wavenumber.isel(node=0).values).sum() == rows
@@ -53,7 +53,7 @@ def test_it_holds_nothing_else(computed, grid):
 def test_moving_loads_are_those_of_the_full_model(computed, grid):
     column = grid.sel(soil="horstwalde", track="ballasted-paper").compute()
     for record in records.committed(computed / "out", "moving_transfer"):
-        arrays, _attributes = store.read_arrays(computed / "out", record["group"])
+        arrays, _attributes = store.read_recorded(computed / "out", record)
         assert len(record["inputs"]["blocks"]) > 1
         here = column.sel(speed_kmh=30.0, frequency=arrays["frequency"])
         np.testing.assert_array_equal(here.rail_moving.values, arrays["rail_moving"])

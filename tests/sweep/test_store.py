@@ -32,6 +32,28 @@ class Spectrum:
     extra: np.ndarray | None = field(default=None, metadata={"dims": ("extra",)})
 
 
+@dataclass(frozen=True)
+class Table:
+    """What lies in one group with others that have the same frequencies."""
+
+    frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz"})
+    transfer: np.ndarray = field(
+        metadata={"dims": ("frequency",), "unit": "m2/N", "called_by": "name", "own": True}
+    )
+    name: str = field(metadata={"own": True})
+    offset: float = field(metadata={"own": True})
+    level: int
+
+
+COMMON = np.array([1.0, 2.0])
+TABLES = {
+    "": Table(COMMON, np.array([1.0, 2.0j]), "rail", math.nan, 3),
+    "12.5": Table(COMMON, np.array([3.0, 4.0j]), "ground", 12.5, 3),
+    "24": Table(COMMON.copy(), np.array([5.0, 6.0j]), "ground", 24.0, 3),
+}
+"""By label. The last one has other frequencies, though they are as large."""
+
+
 def example():
     draw = np.random.default_rng(1)
     return Spectrum(
@@ -160,6 +182,108 @@ def test_arrays_of_wrong_shape_are_refused(tmp_path, spectrum):
         write(tmp_path, dataclasses.replace(spectrum, transfer=np.zeros(3)))
     with pytest.raises(ValueError, match="4 along frequency, others have 3"):
         write(tmp_path, dataclasses.replace(spectrum, count=np.arange(4)))
+    assert list(tmp_path.iterdir()) == []
+
+
+def stored_together(home, *labels):
+    """Store tables as one group; return what was written by label."""
+    made = {label: (TABLES[label], {"unit_id": f"id-{label}"}) for label in labels}
+    return dict(zip(labels, store.Writer(home).together("table/1", made, {"kind": "table"}), strict=True))
+
+
+@pytest.fixture(params=["needed", "whole"])
+def read_member(tmp_path, request):
+    """Read one of several results of a group: what is needed of it, or after a look at all metadata."""
+
+    def one(written):
+        recorded = written.recorded()
+        if request.param == "whole":
+            recorded["group_metadata"] = None
+        return store.read(tmp_path, kind=Table, **recorded)
+
+    return one
+
+
+def test_results_that_differ_in_what_is_their_own_lie_together():
+    assert store.sharing(TABLES) == [["", "12.5"], ["24"]]
+    other = dataclasses.replace(TABLES[""], level=4)
+    assert store.sharing({1: TABLES[""], 2: other}) == [[1], [2]]
+
+
+def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member):
+    written = stored_together(tmp_path, "", "12.5")
+    assert written[""].group == written["12.5"].group
+    folder = tmp_path / store.STORE / written[""].group
+    assert sorted(path.name for path in folder.iterdir()) == ["frequency", "ground_12.5", "rail", "zarr.json"]
+    assert sum(each.bytes_written for each in written.values()) == sum(
+        path.stat().st_size for path in folder.rglob("*") if path.is_file()
+    )
+    for label, each in written.items():
+        assert_equal(read_member(each), TABLES[label])
+        assert_equal(store.restored(each, Table), TABLES[label])
+        store.check(tmp_path, each.recorded())
+    arrays, attributes = store.read_recorded(tmp_path, written["12.5"].recorded())
+    assert arrays.keys() == {"frequency", "ground"}
+    said = {"name": "ground", "offset": 12.5, "unit_id": "id-12.5"}
+    assert attributes == {"kind": "table", "level": 3, **said}
+
+
+def test_a_group_of_several_results_opens_as_one_dataset(tmp_path):
+    written = stored_together(tmp_path, "", "12.5")
+    with xarray.open_zarr(tmp_path / store.STORE / written[""].group) as dataset:
+        assert dataset.attrs == {"kind": "table", "level": 3}
+        np.testing.assert_array_equal(dataset["ground_12.5"].values, TABLES["12.5"].transfer)
+        assert dataset["ground_12.5"].dims == dataset.rail.dims == ("frequency",)
+        assert dataset["ground_12.5"].attrs["offset"] == 12.5
+        assert dataset.rail.attrs["unit_id"] == "id-"
+
+
+def test_a_result_is_the_same_whichever_others_lie_with_it(tmp_path, read_member):
+    alone = stored_together(tmp_path, "12.5")["12.5"]
+    beside = stored_together(tmp_path, "", "12.5")["12.5"]
+    assert alone.group != beside.group
+    assert (alone.arrays, json.loads(alone.attributes)) == (beside.arrays, json.loads(beside.attributes))
+    assert_equal(read_member(alone), read_member(beside))
+
+
+@pytest.mark.parametrize(("damaged", "hit"), [("frequency", {"", "12.5"}), ("ground_12.5", {"12.5"})])
+def test_damage_of_one_array_is_that_of_the_results_that_have_it(tmp_path, read_member, damaged, hit):
+    written = stored_together(tmp_path, "", "12.5")
+    (tmp_path / store.STORE / written[""].group / damaged / "c.0").unlink()
+    for label, each in written.items():
+        if label in hit:
+            with pytest.raises(store.DamagedError, match="table/1"):
+                read_member(each)
+            with pytest.raises(store.DamagedError, match="table/1"):
+                store.check(tmp_path, each.recorded())
+        else:
+            assert_equal(read_member(each), TABLES[label])
+            store.check(tmp_path, each.recorded())
+
+
+@pytest.mark.parametrize("path", ["zarr.json", "rail/zarr.json", "frequency/zarr.json"])
+def test_altered_metadata_of_a_group_are_those_of_all_its_results(tmp_path, path):
+    written = stored_together(tmp_path, "", "12.5")
+    place = tmp_path / store.STORE / written[""].group / path
+    place.write_text(place.read_text().replace('"units":"m2/N"', '"units":"m3/N"').replace('"Hz"', '"kHz"'))
+    for each in written.values():
+        with pytest.raises(store.DamagedError, match="metadata"):
+            store.check(tmp_path, each.recorded())
+
+
+def test_a_record_that_names_another_result_is_damage(tmp_path, read_member):
+    written = stored_together(tmp_path, "", "12.5")
+    for member in ("", "24", None):
+        with pytest.raises(store.DamagedError):
+            read_member(dataclasses.replace(written["12.5"], member=member))
+
+
+def test_results_that_differ_in_other_things_are_refused(tmp_path):
+    other = dataclasses.replace(TABLES[""], level=4)
+    for results in ((TABLES[""], TABLES["24"]), (TABLES[""], other)):
+        named = {str(place): (result, {}) for place, result in enumerate(results)}
+        with pytest.raises(ValueError, match="differ in what is not their own"):
+            store.Writer(tmp_path).together("table/1", named, {})
     assert list(tmp_path.iterdir()) == []
 
 
