@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 
-from railvib import threads
 from railvib.forces import arrivals, axle_forces
 from railvib.panels import ORDER, TO_POWERS, nodes_between, to_legendre
 from railvib.receptance import Receptances
@@ -51,9 +50,7 @@ class Excitation:
         given in powers of x from −1 to 1 over its panels. From these follow A = Σ_l phase_l q_l at β, and
         at −β.
         """
-        terms = self._powers
-        with threads.single():
-            return np.asarray(np.stack([phase.real, phase.imag])[:, None] @ terms)
+        return np.asarray(np.stack([phase.real, phase.imag])[:, None] @ self._powers)
 
     @cached_property
     def _powers(self) -> np.ndarray:

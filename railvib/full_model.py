@@ -34,6 +34,7 @@ RECEIVERS_AT_ONCE = 8
 """Whose tables are held at the same time."""
 
 
+@threads.limited
 def passage_spectra(
     receivers: Mapping[Receiver, TransferFunction],
     excited: Excitation,
@@ -136,8 +137,7 @@ class _Weights:
             of, limits = self._excited.edge, self._excited.wavenumbers
             moments(edge, missing, shift, self._turned(start), lines - start, of, *limits, moment)
             # All together: the last digits of a product may depend on how many rows it has.
-            with threads.single():
-                made = (moment.reshape(-1, ORDER) @ FROM_POWERS).reshape(moment.shape)
+            made = (moment.reshape(-1, ORDER) @ FROM_POWERS).reshape(moment.shape)
             if known.any():
                 weight[missing] = made[missing]
             else:

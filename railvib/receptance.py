@@ -113,20 +113,30 @@ def tabulated_receptances(
         return [np.array([known[index / 2.0**level] for index in indices]) for level, indices in places]
 
     beyond = int(np.log2(refinement))
-    made: list[_Block] = []
-    for block in which:
-        passed = None
-        for level in range(_MOST_LEVELS + beyond + 1):
-            halfway = blocks.halfway(block, level, _CHECKS)
-            tabulated, direct = rows((level, blocks.indices(block, level)), (level + 1, halfway))
-            between = blocks.frequency(level + 1, halfway)
+    ordered = pending = list(which)
+    passed: dict[int, int] = {}
+    found: dict[int, _Block] = {}
+    # Level by level, all blocks that need it together: a few wavenumbers take as long as many.
+    for level in range(_MOST_LEVELS + beyond + 1):
+        halfway = [blocks.halfway(block, level, _CHECKS) for block in pending]
+        own = [blocks.indices(block, level) for block in pending]
+        computed = rows(*((level, each) for each in own), *((level + 1, each) for each in halfway))
+        waiting = []
+        for i, block in enumerate(pending):
+            tabulated, direct = computed[i], computed[len(pending) + i]
+            between = blocks.frequency(level + 1, halfway[i])
             enough = _DIRECT_SHARE * tolerance
-            found, error = smoothest(load, block, level, tabulated, between, direct, enough)
-            if passed is None and (error <= enough or level == _MOST_LEVELS):
-                passed = level
-            if passed is not None and level >= passed + beyond:
-                break
-        made.append(_stored(found, tabulated, error, tolerance, level + beyond))
+            reduced, error = smoothest(load, block, level, tabulated, between, direct, enough)
+            if error <= enough or level >= _MOST_LEVELS:
+                passed.setdefault(block, level)
+            if block in passed and level >= passed[block] + beyond:
+                found[block] = _stored(reduced, tabulated, error, tolerance, level + beyond)
+            else:
+                waiting.append(block)
+        pending = waiting
+        if not pending:
+            break
+    made = [found[block] for block in ordered]
     return Receptances(
         frequency=np.concatenate([each.frequency for each in made]),
         distance=d,

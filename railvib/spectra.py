@@ -240,6 +240,7 @@ def _standing(
 ) -> tuple[np.ndarray, Means]:
     """Return what a standing train does per unit unevenness: |P|², (lines, axles), N²/m², and ∫ |u|² dx."""
     force = np.empty(phase.shape)
+    position = train.axle_positions
     parts: list[Means] = []
     with cost.stage("line average"):
         distance = next(iter(integrals.values())).distance
@@ -251,7 +252,7 @@ def _standing(
             sets = matrices @ phase[here, :, None]
             with cost.stage("line average"):
                 parts.append(
-                    _means_by_axle(train, matrices, phase[here], here, distance, on_lines, over_train)
+                    _means_by_axle(position, matrices, phase[here], here, distance, on_lines, over_train)
                 )
         else:
             if approach == "moving-roughness-uncorrelated":  # Eq. 28: each axle's unevenness alone
@@ -259,7 +260,7 @@ def _standing(
             else:  # Eq. 23: one set of forces, that of all axles together
                 sets = axle_forces(train, rail, frequency[here], phase[here])[..., None]
             with cost.stage("line average"):
-                parts.append(_means(train, sets, here, distance, on_lines, over_train))
+                parts.append(_means(position, sets, here, distance, on_lines, over_train))
         force[here] = (np.abs(sets) ** 2).sum(axis=2)
     joined = {
         receiver: {name: np.concatenate([part[receiver][name] for part in parts]) for name in each}
@@ -269,7 +270,7 @@ def _standing(
 
 
 def _means(
-    train: Train,
+    axle_position: np.ndarray,
     sets: np.ndarray,
     rows: slice,
     distance: np.ndarray,
@@ -279,8 +280,7 @@ def _means(
     """Return ∫ |u|² dx summed over sets of forces (lines, axles, sets), each alone."""
     here = {receiver: each[rows] for receiver, each in integrals.items()}
     means = {
-        receiver: {"line": mean}
-        for receiver, mean in line_means(here, distance, train.axle_positions, sets).items()
+        receiver: {"line": mean} for receiver, mean in line_means(here, distance, axle_position, sets).items()
     }
     if over_train:
         product = force_products(sets)
@@ -290,7 +290,7 @@ def _means(
 
 
 def _means_by_axle(
-    train: Train,
+    axle_position: np.ndarray,
     matrices: np.ndarray,
     phase: np.ndarray,
     rows: slice,
@@ -301,7 +301,7 @@ def _means_by_axle(
     """Return ∫ |u|² dx from the products H^p* H^q of the responses to each axle's unevenness (Eq. 27)."""
     means: Means = {}
     for receiver, each in integrals.items():
-        pairs = {"line": axle_pairs(each[rows], distance, train.axle_positions)}
+        pairs = {"line": axle_pairs(each[rows], distance, axle_position)}
         if over_train:
             pairs["train"] = over_train[receiver].integral[rows]
         means[receiver] = {

@@ -287,25 +287,22 @@ class Unevenness(Parameters):
         self, lower: NDArray[np.float64], upper: NDArray[np.float64], window: tuple[float, float]
     ) -> NDArray[np.float64]:
         """Return ∫ S_w dβ over the part of each interval that lies in a window of wavenumbers."""
+        start, stop = np.maximum(lower, window[0]).ravel(), np.minimum(upper, window[1]).ravel()
+        inside = start < stop
+        # Cut at the knots of a table, and into panels of at most unit width in the logarithm.
         knots = self._knots[0]
-        result = np.zeros(lower.shape)
-        for index in np.ndindex(lower.shape):
-            start, stop = max(float(lower[index]), window[0]), min(float(upper[index]), window[1])
-            if start < stop:
-                inner = knots[(knots > start) & (knots < stop)]
-                ends = np.log(np.concatenate(([start], inner, [stop])))
-                result[index] = self._integral_over_logarithm(ends)
-        return result
-
-    def _integral_over_logarithm(self, ends: NDArray[np.float64]) -> float:
-        """Return ∫ S_w(e^u) e^u du between consecutive ends, on Gauss panels of at most unit width."""
-        limits = np.concatenate(
-            [np.linspace(a, b, math.ceil(b - a) + 1)[:-1] for a, b in zip(ends[:-1], ends[1:], strict=True)]
-            + [ends[-1:]]
-        )
-        half = 0.5 * np.diff(limits)[:, np.newaxis]
-        beta = np.exp(limits[:-1, np.newaxis] + half * (1.0 + GAUSS_POINTS))
-        return float(np.sum(half * GAUSS_WEIGHTS * self._uncut_psd(beta) * beta))
+        ends = np.sort(np.clip(knots, start[inside, None], stop[inside, None]), axis=1)
+        limits = np.log(np.concatenate([start[inside, None], ends, stop[inside, None]], axis=1))
+        first, width = limits[:, :-1].ravel(), np.diff(limits, axis=1).ravel()
+        count = np.maximum(np.ceil(width), 1.0).astype(int)
+        owner = np.repeat(np.arange(count.size), count)
+        place = np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count)
+        half = 0.5 * (width / count)[owner, None]
+        beta = np.exp(first[owner, None] + half * (2.0 * place[:, None] + 1.0 + GAUSS_POINTS))
+        part = (half * GAUSS_WEIGHTS * self._uncut_psd(beta) * beta).sum(axis=1)
+        result = np.zeros(start.size)
+        result[inside] = np.bincount(owner // (knots.size + 1), part, np.count_nonzero(inside))
+        return result.reshape(lower.shape)
 
 
 def _power_laws_between(
