@@ -68,15 +68,17 @@ def passage_spectra(
         ordered = sorted(receivers, key=_turn)
         for i in range(0, len(ordered), RECEIVERS_AT_ONCE):
             functions = {each: receivers[each] for each in ordered[i : i + RECEIVERS_AT_ONCE]}
-            groups = list(same_nodes(functions, frequency))
-            nodes = [functions[members[0]].blocks[block].nodes for members, block, _ in groups]
+            groups = [
+                (members, block, own, [squares(functions[each], block) for each in members])
+                for members, block, own in same_nodes(functions, frequency)
+            ]
+            nodes = [functions[members[0]].blocks[block].nodes for members, block, *_ in groups]
             weights.keep(nodes)
             for start in range(0, frequency.size, _LINES_AT_ONCE):
-                for (members, block, own), shared in zip(groups, nodes, strict=True):
+                for (members, block, own, tables), shared in zip(groups, nodes, strict=True):
                     lines = own[slice(*np.searchsorted(own, [start, start + _LINES_AT_ONCE]))]
                     if not lines.size:
                         continue
-                    tables = [squares(functions[each], block) for each in members]
                     stencils = {
                         level: blocks.stencils(block, level, frequency[lines])
                         for level in {each.level for each in tables}

@@ -245,8 +245,10 @@ def _standing(
     with cost.stage("line average"):
         distance = next(iter(integrals.values())).distance
         on_lines = {receiver: each.at(frequency) for receiver, each in integrals.items()}
-    for start in range(0, frequency.size, LINES_AT_ONCE):
-        here = slice(start, start + LINES_AT_ONCE)
+    # One set of forces takes no matrices.
+    at_once = frequency.size if approach == "moving-roughness" else LINES_AT_ONCE
+    for start in range(0, frequency.size, at_once):
+        here = slice(start, start + at_once)
         if approach == "moving-roughness-by-axle":
             matrices = force_matrices(train, rail, frequency[here])
             sets = matrices @ phase[here, :, None]
