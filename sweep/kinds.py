@@ -1,6 +1,6 @@
 """Units of work: what one is, and what the engine must know of a kind of unit to plan and run it.
 
-A unit is one stored group with one record. Its inputs are plain canonical data that hold everything its
+A unit is one stored result with one record. Its inputs are plain canonical data that hold everything its
 result depends on, and computing starts from them alone: so an identity cannot leave out what a result depends
 on. A module that offers work to the engine has a mapping `KINDS` from names to kinds; `sweep.units` is the
 product's.
