@@ -41,7 +41,7 @@ class LineIntegrals:
             "dims": ("frequency", "distance"),
             "unit": "m3/N2",
             "description": "line integral of the squared response",
-            "own": True,
+            "own": "receiver",
         }
     )
     block: np.ndarray = field(metadata={"dims": ("block",), "unit": "", "description": "index of the block"})
@@ -53,7 +53,7 @@ class LineIntegrals:
             "dims": ("block",),
             "unit": "1",
             "description": "largest error half-way between frequencies, relative to the integral at 0 m",
-            "own": True,
+            "own": "receiver",
         }
     )
 

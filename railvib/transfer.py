@@ -37,7 +37,7 @@ TOP = 1.3
 MOST_DECAY = 60.0
 """Exponent beyond which the decay of a reference wave is cut: nothing is left."""
 
-OWN = {"own": True}
+OWN = {"own": "receiver"}
 """Marks what tables of one block and class of receivers differ in."""
 
 

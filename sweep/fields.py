@@ -2,8 +2,8 @@
 
 Fields whose metadata name their dimensions are arrays, `field(metadata={"dims": ("frequency", "node"),
 "unit": "m/N", "description": "..."})`; all others, and arrays of text, are attributes. With "called_by" an
-array takes its name from another field: H of the rail is stored as `rail`. Fields marked as "own" are those
-in which results differ that have all other arrays in common.
+array takes its name from another field: H of the rail is stored as `rail`. In fields with "own" results
+differ that have all other arrays in common; it names the dimension along which their arrays then lie.
 """
 
 import dataclasses
@@ -40,9 +40,11 @@ class Parts(NamedTuple):
         return self.attributes | self.own_attributes
 
     @property
-    def sharing(self) -> tuple[tuple[str, int], ...]:
-        """The identities of its arrays that others may have: equal for those that have all of them."""
-        return tuple((name, id(array)) for name, (array, _) in self.arrays.items())
+    def sharing(self) -> tuple[Any, ...]:
+        """What results agree in that can lie in one group: the same arrays, and the form of their own."""
+        common = [(name, id(array)) for name, (array, _) in self.arrays.items()]
+        own = [(name, array.shape, array.dtype) for name, (array, _) in self.own_arrays.items()]
+        return tuple(common), tuple(own), repr(self.attributes)
 
 
 def split(result: Any) -> Parts:

@@ -99,8 +99,10 @@ class _Part:
 
     directory: Path | str
     group: str
+    member: str | None
+    """Which result of the group it is."""
     values: str
-    """Key of the array of values; the other one is called wavenumber."""
+    """Name of the array of values; the other one is called wavenumber."""
     key: Key
     block: int
     inside: NDArray[np.bool_]
@@ -110,9 +112,9 @@ class _Part:
 
 def _parts(directory: Path | str, record: Mapping[str, Any], soil: str, track: str) -> Iterator[_Part]:
     """Yield the blocks of a stored group."""
-    group, inputs = record["group"], record["inputs"]
+    group, member, inputs = record["group"], record.get("member"), record["inputs"]
     values = next(name for name in ("rail", "ground", "rail_moving") if name in record["arrays"])
-    frequency = np.asarray(store.open_array(directory, group, "frequency")[...])
+    frequency = store.read_array(directory, group, member, "frequency")
     third = inputs["receiver"] if "receiver" in inputs else round(inputs["speed"] * KMH, 9)
     for block in inputs["blocks"] if "blocks" in inputs else [inputs["block"]]:
         low, high = blocks.edges(int(block))
@@ -120,7 +122,8 @@ def _parts(directory: Path | str, record: Mapping[str, Any], soil: str, track: s
         yield _Part(
             directory,
             group,
-            store.own_key(values, record.get("member")),
+            member,
+            values,
             (soil, track, third),
             int(block),
             inside,
@@ -173,21 +176,20 @@ def _piece(part: _Part | None, frequency: NDArray[np.float64], nodes: int, dtype
         return empty
     rows = np.searchsorted(frequency, part.frequency)
     array = part.values if dtype is complex else "wavenumber"
-    later = delayed(_read, pure=True)(part.directory, part.group, array, part.inside, rows, shape, nothing)
+    stored = part.directory, part.group, part.member, array
+    later = delayed(_read, pure=True)(stored, part.inside, rows, shape, nothing)
     block: dask.array.Array = dask.array.from_delayed(later, shape=shape, dtype=dtype)
     return block
 
 
 def _read(
-    directory: Path | str,
-    group: str,
-    array: str,
+    array: tuple[Path | str, str, str | None, str],
     inside: NDArray[np.bool_],
     rows: NDArray[np.intp],
     shape: tuple[int, int],
     nothing: complex,
 ) -> NDArray[Any]:
-    stored = np.asarray(store.open_array(directory, group, array)[...])
+    stored = store.read_array(*array)
     out = np.full(shape, nothing, dtype=stored.dtype)
     out[rows, : stored.shape[1]] = stored[inside]
     return out

@@ -1,7 +1,7 @@
 """A stored group as it is read, and compared with what its record holds.
 
-Results that have most of their arrays in common lie in one group, each with arrays of its own beside these: a
-result is the group without what belongs to others.
+Results that have most of their arrays in common lie in one group. What is a result's own, the values of one
+receiver, is there part of an array with one dimension more: a result is the group without what others have.
 """
 
 import hashlib
@@ -24,14 +24,10 @@ class DamagedError(Exception):
     """A stored group is not what its record says: an array is missing, torn or altered."""
 
 
-MEMBER = "member"
-"""Attribute of the arrays that one of several results of a group has for itself, and that result's label."""
-_OF_ARRAYS = (MEMBER, "units", "long_name")
-
-
-def own_key(name: str, member: str | None) -> str:
-    """Return the key in a group of an array that a result has for itself."""
-    return f"{name}_{member}" if member else name
+MEMBERS = "members"
+"""Attribute of arrays that hold what several results have for themselves, one behind the other: what is said
+of each, by its label.
+"""
 
 
 @dataclass(frozen=True)
@@ -42,16 +38,13 @@ class Group:
     ----------
     name
         What an error calls it.
-    keys
-        Its arrays' keys in the group by their names.
     said
-        What Zarr says of its arrays, by their keys.
+        What Zarr says of its arrays, by their names.
     objects
         What it consists of, as far as it has been read.
     """
 
     name: str
-    keys: Mapping[str, str]
     said: Mapping[str, Any]
     attributes: dict[str, Any]
     objects: zarr_form.Objects
@@ -73,8 +66,8 @@ class Group:
             with _decoding(name):
                 said, attributes = zarr_form.decode_group(bytes(objects[zarr_form.METADATA]))
                 keys = [f"{array}/{zarr_form.METADATA}" for array in said]
-                for array in _member(member, said, attributes)[0].values():
-                    keys += zarr_form.chunk_keys(array, said[array])
+                for array, each in _member(member, said, attributes)[0].items():
+                    keys += zarr_form.chunk_keys(array, each)
             objects = {**objects, **place.read_group(prefix, keys)}
         if digest is not None and metadata_digest(objects) != digest:
             raise _other_metadata(name)
@@ -82,8 +75,8 @@ class Group:
             attributes = json.loads(objects[zarr_form.METADATA])["attributes"]
             own = {key.rpartition("/")[0]: key for key in objects if key.endswith(f"/{zarr_form.METADATA}")}
             said = {array: json.loads(objects[key]) for array, key in own.items()}
-            names, merged = _member(member, said, attributes)
-        return cls(name, names, said, merged, objects)
+            said, attributes = _member(member, said, attributes)
+        return cls(name, said, attributes, objects)
 
     @classmethod
     def needed(
@@ -104,15 +97,14 @@ class Group:
         if hashlib.sha256(own).hexdigest() != digest:
             raise _other_metadata(name)
         with _decoding(name):
-            said, attributes = zarr_form.decode_group(own)
-            keys, merged = _member(member, said, attributes)
-            missing = [key for array, key in keys.items() if array not in known]
-            chunks = [chunk for key in missing for chunk in zarr_form.chunk_keys(key, said[key])]
-        return cls(name, keys, said, merged, objects | dict(place.read_group(prefix, chunks)))
+            said, attributes = _member(member, *zarr_form.decode_group(own))
+            missing = [array for array in said if array not in known]
+            keys = [key for array in missing for key in zarr_form.chunk_keys(array, said[array])]
+        return cls(name, said, attributes, objects | dict(place.read_group(prefix, keys)))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return its arrays, compared with nothing."""
-        return {name: self._decoded(name)[0] for name in self.keys}
+        return {name: self._decoded(name)[0] for name in self.said}
 
     def check(self, recorded: Recorded) -> None:
         """Compare all arrays with their sha256."""
@@ -132,15 +124,14 @@ class Group:
         return found
 
     def _names(self, recorded: Recorded) -> Iterable[str]:
-        if recorded.keys() != self.keys.keys():
-            others = ", ".join(sorted(recorded.keys() ^ self.keys.keys()))
+        if recorded.keys() != self.said.keys():
+            others = ", ".join(sorted(recorded.keys() ^ self.said.keys()))
             raise DamagedError(f"{self.name}: is recorded, or is there, without the array {others}")
-        return self.keys
+        return self.said
 
     def _decoded(self, name: str) -> tuple[NDArray[Any], bytes]:
         with _decoding(self.name):
-            key = self.keys[name]
-            return zarr_form.decode_array(key, self.said[key], self.objects)
+            return zarr_form.decode_array(name, self.said[name], self.objects)
 
     def _compare(self, name: str, array: NDArray[Any], recorded: Recorded) -> None:
         if compared.checksum(array) != dict(recorded[name]):
@@ -158,21 +149,22 @@ def metadata_digest(objects: zarr_form.Objects) -> str:
 
 
 def _member(
-    member: str | None, said: Mapping[str, Any], attributes: Mapping[str, Any]
-) -> tuple[dict[str, str], dict[str, Any]]:
-    """Return a result's arrays' keys by their names, and its attributes; for None those of the group."""
-    if member is None:
-        return {key: key for key in said}, dict(attributes)
-    keys: dict[str, str] = {}
-    merged = dict(attributes)
-    for key, each in said.items():
-        own = each["attributes"]
-        if MEMBER not in own:
-            keys[key] = key
-        elif own[MEMBER] == member:
-            keys[key.removesuffix(own_key("", member))] = key
-            merged |= {name: value for name, value in own.items() if name not in _OF_ARRAYS}
-    return keys, merged
+    label: str | None, said: Mapping[str, Any], attributes: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what is said of a result's arrays, and its attributes; for None those of the whole group."""
+    own, merged = dict(said), dict(attributes)
+    if label is None:
+        return own, merged
+    for name, each in said.items():
+        members = each["attributes"].get(MEMBERS)
+        if members is None:
+            continue
+        if label in members:
+            own[name] = zarr_form.slice_metadata(each, list(members).index(label))
+            merged |= members[label]
+        else:
+            del own[name]
+    return own, merged
 
 
 @contextmanager

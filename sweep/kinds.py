@@ -79,7 +79,7 @@ class Kind:
     at_once
         How many units of a task need that at the same time, at most; all of them if it is None.
     label
-        What tells units apart whose results may lie in one group; None where each has its own.
+        What tells a unit from others whose results may lie in one group with its own; None: it lies alone.
     """
 
     result: type
@@ -90,7 +90,7 @@ class Kind:
     size: Callable[[Inputs], int]
     memory: Callable[[Inputs], int]
     at_once: int | None = None
-    label: Callable[[Inputs], str] | None = None
+    label: Callable[[Inputs], str | None] = lambda inputs: None
 
 
 def registry(module: str) -> Mapping[str, Kind]:

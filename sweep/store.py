@@ -1,10 +1,10 @@
 """Results as immutable Zarr groups: a frozen dataclass of arrays in, the same dataclass or plain arrays out.
 
 What of a dataclass is an array says `sweep.fields`; all else goes to attributes. Results that have most of
-their arrays in common can lie in one group, the transfer functions of several receivers: each of them has
-arrays of its own there, with its own attributes. A group is encoded in memory and named after its content,
-and never changes. An array is one chunk or is cut along its first dimension in `sweep.zarr_form` alone: no
-caller can write part of a chunk.
+their arrays in common can lie in one group, as the transfer functions of several receivers do: what is each
+one's own lies along one dimension more, every result in chunks of its own. A group is encoded in memory and
+named after its content, and never changes. An array is one chunk or is cut along its first dimension in
+`sweep.zarr_form` alone: no caller can write part of a chunk.
 """
 
 import dataclasses
@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 
 from sweep import compared, fields, location, records, zarr_form
 from sweep.fields import Result
-from sweep.group import MEMBER, Group, Recorded, metadata_digest
+from sweep.group import MEMBERS, Group, Recorded, metadata_digest
 from sweep.group import DamagedError as DamagedError
-from sweep.group import own_key as own_key
 
 if TYPE_CHECKING:
     import zarr
@@ -86,16 +85,21 @@ class _Stored:
 
 @dataclasses.dataclass
 class _Encoded:
-    """The arrays of a group: of each the objects and the checksum, and where other groups have them.
+    """The arrays of a group: of each the objects, and where other groups have them.
 
     Attributes
     ----------
+    checksums
+        Of the arrays that all results of the group have.
+    own_checksums
+        Of those that each has for itself, by label.
     fresh
         Arrays that no other group has yet, though it may.
     """
 
     objects: dict[str, Mapping[str, bytes | memoryview]] = dataclasses.field(default_factory=dict)
     checksums: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
+    own_checksums: dict[str | None, dict[str, dict[str, Any]]] = dataclasses.field(default_factory=dict)
     same: dict[str, str] = dataclasses.field(default_factory=dict)
     fresh: dict[str, NDArray[Any]] = dataclasses.field(default_factory=dict)
 
@@ -103,7 +107,22 @@ class _Encoded:
         """Add an array that no other group has."""
         self.objects[key] = zarr_form.encode_array(key, array, metadata, CHUNK_BYTES)
         self.checksums[key] = compared.checksum(array)
+        self.fresh[key] = array
         compared.remember_chunks(zarr_form.chunk_checksums(self.objects[key]), self.checksums[key])
+
+    def encode_own(self, members: Mapping[str | None, fields.Parts]) -> None:
+        """Add what results have for themselves, array by array, one result behind the other."""
+        said = {MEMBERS: {label: parts.own_attributes for label, parts in members.items()}}
+        for key, (_, metadata) in next(iter(members.values())).own_arrays.items():
+            arrays = [parts.own_arrays[key][0] for parts in members.values()]
+            form = {**metadata, "dims": (metadata["own"], *metadata["dims"]), "attributes": said}
+            head, chunks = zarr_form.encode_stack(key, arrays, form, CHUNK_BYTES)
+            self.objects[key] = {zarr_form.METADATA: head}
+            for label, array, own in zip(members, arrays, chunks, strict=True):
+                checksum = compared.checksum(array)
+                compared.remember_chunks(zarr_form.chunk_checksums(own), checksum)
+                self.own_checksums.setdefault(label, {})[key] = checksum
+                self.objects[key] = {**self.objects[key], **own}
 
 
 class Writer:
@@ -162,49 +181,40 @@ class Writer:
     ) -> list[Written]:
         """Write a group of results by their labels; None is the label of one that is the whole group."""
         first, *others = members.values()
-        if any(each.sharing != first.sharing or each.attributes != first.attributes for each in others):
+        if any(each.sharing != first.sharing for each in others):
             raise ValueError(f"{name}: results of one group differ in what is not their own")
         group = _Encoded()
         for key, (array, metadata) in first.arrays.items():
             self._add(group, key, array, metadata)
-        for label, parts in members.items():
-            said = {"attributes": {**parts.own_attributes, MEMBER: label}}
-            for each, (array, metadata) in parts.own_arrays.items():
-                group.encode(own_key(each, label), array, {**metadata, **said})
-        head = zarr_form.encode_group(
-            group.objects, zarr_form.encode_attributes({**attributes, **first.attributes})
-        )
+        group.encode_own(members)
+        said = zarr_form.encode_attributes({**attributes, **first.attributes})
+        head = zarr_form.encode_group(group.objects, said)
         objects: dict[str, bytes | memoryview] = {zarr_form.METADATA: head}
         for key, array_objects in group.objects.items():
             objects |= {f"{key}/{each}": content for each, content in array_objects.items()}
         digest = metadata_digest(objects)
-        content = json.dumps([group.checksums, digest], sort_keys=True)
+        content = json.dumps([group.checksums, list(group.own_checksums.values()), digest], sort_keys=True)
         place = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
         size = self._put(f"{STORE}/{place}", objects, group)
-        written = []
-        for number, (label, parts) in enumerate(members.items()):
-            keys = {each: each for each in parts.arrays}
-            keys |= {each: own_key(each, label) for each in parts.own_arrays}
-            written.append(
-                Written(
-                    group=place,
-                    member=label,
-                    arrays={each: group.checksums[key] for each, key in keys.items()},
-                    metadata=digest,
-                    group_metadata=hashlib.sha256(head).hexdigest(),
-                    attributes=zarr_form.encode_attributes({**attributes, **parts.all_attributes}),
-                    values={each: array for each, (array, _) in parts.all_arrays.items()},
-                    bytes_written=size // len(members) + (number < size % len(members)),
-                )
+        return [
+            Written(
+                group=place,
+                member=label,
+                arrays=group.checksums | group.own_checksums.get(label, {}),
+                metadata=digest,
+                group_metadata=hashlib.sha256(head).hexdigest(),
+                attributes=zarr_form.encode_attributes({**attributes, **parts.all_attributes}),
+                values={each: array for each, (array, _) in parts.all_arrays.items()},
+                bytes_written=size // len(members) + (number < size % len(members)),
             )
-        return written
+            for number, (label, parts) in enumerate(members.items())
+        ]
 
     def _add(self, group: _Encoded, key: str, array: NDArray[Any], metadata: Mapping[str, Any]) -> None:
         """Add an array to a group that others may have as well."""
         stored = self._stored.get((key, id(array)))
         if stored is None:
             group.encode(key, array, metadata)
-            group.fresh[key] = array
             head = bytes(group.objects[key][zarr_form.METADATA])
             if head in self._heads:
                 group.same[f"{key}/{zarr_form.METADATA}"] = self._heads[head]
@@ -251,8 +261,7 @@ def sharing(results: Mapping[Any, Any]) -> list[list[Any]]:
     """Return the keys of results that have all arrays in common but their own, list by list."""
     together: dict[Any, list[Any]] = {}
     for key, result in results.items():
-        parts = fields.split(result)
-        together.setdefault((parts.sharing, repr(parts.attributes)), []).append(key)
+        together.setdefault(fields.split(result).sharing, []).append(key)
     return list(together.values())
 
 
@@ -362,11 +371,21 @@ def _whole(
 
 
 def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":
-    """Return one array of a group that a run rests on by its key there, to be read in parts."""
+    """Return one array of a group that a run rests on, to be read in parts."""
     import zarr
 
     place = location.at(_home(directory, group))
     return zarr.open_array(place.zarr(f"{STORE}/{group}/{name}"), mode="r")
+
+
+def read_array(directory: Path | str, group: str, member: str | None, name: str) -> NDArray[Any]:
+    """Return one array of a result, compared with nothing."""
+    array = open_array(directory, group, name)
+    members = array.attrs.get(MEMBERS)
+    if member is None or members is None:
+        return np.asarray(array[...])
+    assert isinstance(members, dict)
+    return np.asarray(array[list(members).index(member)])
 
 
 def _home(directory: Path | str, group: str) -> records.Home:

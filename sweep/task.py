@@ -274,7 +274,7 @@ def _groups(batch: Mapping[Unit, Any], kinds: Mapping[str, Kind]) -> Iterator[di
     """Part a batch into the results of one kind that are stored as one group."""
     several: dict[str, dict[Unit, Any]] = {}
     for unit, result in batch.items():
-        if kinds[unit.kind].label is None:
+        if kinds[unit.kind].label(unit.inputs) is None:
             yield {unit: result}
         else:
             several.setdefault(unit.kind, {})[unit] = result
@@ -297,11 +297,15 @@ def _store(
     first = next(iter(group))
     name = f"{first.kind}/{first.id}"
     said = {"kind": first.kind, "model_version": railvib.MODEL_VERSION}
-    if kind.label is None:
-        made = [writer(name, group[first], {**said, "unit_id": first.id})]
-    else:
-        labelled = {kind.label(unit.inputs): (result, {"unit_id": unit.id}) for unit, result in group.items()}
+    labelled = {
+        label: (result, {"unit_id": unit.id})
+        for unit, result in group.items()
+        if (label := kind.label(unit.inputs)) is not None
+    }
+    if labelled:
         made = writer.together(name, labelled, said)
+    else:
+        made = [writer(name, group[first], {**said, "unit_id": first.id})]
     wall_s = (time.perf_counter() - wall) / len(group)
     cpu_s = (time.process_time() - cpu) / len(group)
     spent = vars(cost.StageCost("store", wall_s, cpu_s, peak_rss_bytes=_peak()))

@@ -427,9 +427,9 @@ def _together(*names: str) -> Callable[[Inputs], str]:
 
 
 def _label(inputs: Inputs) -> str:
-    """Return what a unit's arrays are called after among those of other receivers."""
+    """Return what tells a unit's receiver from others."""
     receiver = inputs["receiver"]
-    return "" if receiver == RAIL else repr(float(receiver)).removesuffix(".0")
+    return RAIL if receiver == RAIL else repr(float(receiver)).removesuffix(".0")
 
 
 def waves_between(inputs: Inputs) -> float:
@@ -543,7 +543,7 @@ KINDS: dict[str, Kind] = {
         size=_transfer_bytes,
         memory=_transfer_memory,
         at_once=VALUES_AT_ONCE,
-        label=_label,
+        label=lambda inputs: None if inputs["receiver"] == RAIL else _label(inputs),
     ),
     "receptance": Kind(
         result=Receptances,

@@ -23,6 +23,8 @@ _CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "c
 """Complex fields do not compress; the checksum shows a torn chunk to any reader."""
 _CRC_BYTES = 4
 _ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+_PLACE = "place"
+"""What is said of one array of a stack beside its own: where it is."""
 _SEPARATOR = "."
 """In the keys of chunks. A slash, the format's default, makes two more folders of each array."""
 
@@ -46,17 +48,33 @@ def encode_array(
     Parameters
     ----------
     metadata
-        `dims`, `unit` and `description` if it has them, and `attributes` if there are more.
+        `dims`, and `unit`, `description` and further `attributes` if it has them.
     chunk_bytes
         Size from which the array is cut along its first dimension.
     """
-    said = _array_metadata(name, array, metadata, chunk_bytes)
-    objects: dict[str, bytes | memoryview] = {METADATA: _json(said)}
-    shape = said["chunk_grid"]["configuration"]["chunk_shape"]
-    for number, key in enumerate(_keys(array.shape, shape, _SEPARATOR)):
-        rows = array[number * shape[0] : (number + 1) * shape[0]] if shape else array
-        objects[key] = _chunk(rows, shape)
-    return objects
+    shape = _chunk_shape(array, chunk_bytes)
+    said = _array_metadata(name, array.shape, array.dtype, shape, metadata)
+    return {METADATA: _json(said), **_chunks(array, shape, ())}
+
+
+def encode_stack(
+    name: str, arrays: Sequence[NDArray[Any]], metadata: Mapping[str, Any], chunk_bytes: int
+) -> tuple[bytes, list[dict[str, bytes | memoryview]]]:
+    """Return the metadata of arrays of one form along a new first dimension, and the chunks of each.
+
+    Parameters are those of `encode_array`; the first of `dims` is the new dimension.
+    """
+    first = arrays[0]
+    shape = _chunk_shape(first, chunk_bytes)
+    said = _array_metadata(name, (len(arrays), *first.shape), first.dtype, [1, *shape], metadata)
+    return _json(said), [_chunks(array, shape, (place,)) for place, array in enumerate(arrays)]
+
+
+def slice_metadata(said: Mapping[str, Any], place: int) -> dict[str, Any]:
+    """Return what to say of one array of a stack so that `chunk_keys` and `decode_array` take it alone."""
+    grid = said["chunk_grid"]
+    grid = {**grid, "configuration": {"chunk_shape": grid["configuration"]["chunk_shape"][1:]}}
+    return {**said, "shape": said["shape"][1:], "chunk_grid": grid, _PLACE: [*said.get(_PLACE, []), place]}
 
 
 def chunk_checksums(array: Objects) -> bytes:
@@ -101,7 +119,7 @@ def chunk_keys(name: str, said: Mapping[str, Any]) -> list[str]:
     """Return the keys of an array's chunks below the group's from what is said of the array."""
     separator = said["chunk_key_encoding"]["configuration"]["separator"]
     shape = said["chunk_grid"]["configuration"]["chunk_shape"]
-    return [f"{name}/{key}" for key in _keys(said["shape"], shape, separator)]
+    return [f"{name}/{key}" for key in _keys(said["shape"], shape, said.get(_PLACE, ()), separator)]
 
 
 def decode_array(name: str, said: Mapping[str, Any], objects: Objects) -> tuple[NDArray[Any], bytes]:
@@ -118,6 +136,10 @@ def decode_array(name: str, said: Mapping[str, Any], objects: Objects) -> tuple[
     chunk_shape = said["chunk_grid"]["configuration"]["chunk_shape"]
     if 0 in shape:
         return np.empty(shape, dtype), b""
+    if list(chunk_shape[1:]) != list(shape[1:]):  # a stack of arrays that are cut themselves
+        slices = (decode_array(name, slice_metadata(said, place), objects) for place in range(shape[0]))
+        arrays, checksums = zip(*slices, strict=True)
+        return np.stack(arrays), b"".join(checksums)
     parts = [_verified(key, objects) for key in chunk_keys(name, said)]
     content = parts[0][0] if len(parts) == 1 else np.concatenate([chunk for chunk, _ in parts])
     array = np.frombuffer(content, dtype).reshape((-1, *chunk_shape[1:]) if shape else ())
@@ -127,16 +149,20 @@ def decode_array(name: str, said: Mapping[str, Any], objects: Objects) -> tuple[
 
 
 def _array_metadata(
-    name: str, array: NDArray[Any], metadata: Mapping[str, Any], chunk_bytes: int
+    name: str,
+    shape: Sequence[int],
+    dtype: np.dtype[Any],
+    chunk_shape: Sequence[int],
+    metadata: Mapping[str, Any],
 ) -> dict[str, Any]:
     return {
         "zarr_format": 3,
         "node_type": "array",
-        "shape": list(array.shape),
-        "data_type": array.dtype.name,
-        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": _chunk_shape(array, chunk_bytes)}},
+        "shape": list(shape),
+        "data_type": dtype.name,
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": list(chunk_shape)}},
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": _SEPARATOR}},
-        "fill_value": _fill(array.dtype),
+        "fill_value": _fill(dtype),
         "codecs": _CODECS,
         "attributes": {
             "units": metadata.get("unit", "1"),
@@ -161,12 +187,24 @@ def _fill(dtype: np.dtype[Any]) -> Any:
     return {"c": ["NaN", "NaN"], "f": "NaN", "b": False}.get(dtype.kind, 0)
 
 
-def _keys(shape: Sequence[int], chunk_shape: Sequence[int], separator: str) -> list[str]:
-    """Return the keys of an array's chunks below its own, in order of their rows."""
+def _keys(
+    shape: Sequence[int], chunk_shape: Sequence[int], place: Sequence[int], separator: str
+) -> list[str]:
+    """Return the keys of an array's chunks below its own, in order of their rows; `place` is in a stack."""
+    start = ["c", *map(str, place)]
     if not shape:
-        return ["c"]
+        return [separator.join(start)]
     number = 0 if 0 in shape else ceil(shape[0] / chunk_shape[0])
-    return [separator.join(("c", str(index), *("0" for _ in shape[1:]))) for index in range(number)]
+    return [separator.join((*start, str(index), *("0" for _ in shape[1:]))) for index in range(number)]
+
+
+def _chunks(array: NDArray[Any], shape: Sequence[int], place: Sequence[int]) -> dict[str, bytes | memoryview]:
+    """Return the chunks of an array, or of one of a stack, by their keys below its own."""
+    chunks: dict[str, bytes | memoryview] = {}
+    for number, key in enumerate(_keys(array.shape, shape, place, _SEPARATOR)):
+        rows = array[number * shape[0] : (number + 1) * shape[0]] if shape else array
+        chunks[key] = _chunk(rows, shape)
+    return chunks
 
 
 def _chunk(rows: NDArray[Any], shape: Sequence[int]) -> memoryview:

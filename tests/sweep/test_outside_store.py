@@ -210,6 +210,6 @@ def test_two_drivers_at_once_share_a_store(here, computed, outside):
     by_run = {record["run_id"] for record in records.committed(small) if record["kind"] in SHARED}
     assert by_run <= {each["run_id"] for each in manifests}
     groups = [record["group"] for record in records.committed(small) if record["kind"] in SHARED]
-    assert sum(len(location.at(outside).names(f"{store.STORE}/{kind}")) for kind in SHARED) == len(
-        groups
-    ) + len(SHARED)  # the same bytes whoever computed them: one group each, beside the zarr.json of its kind
+    there = sum(len(location.at(outside).names(f"{store.STORE}/{kind}")) for kind in SHARED)
+    # The same bytes whoever computed them: at most one group each, beside the zarr.json of its kind.
+    assert len(set(groups)) <= there - len(SHARED) <= len(groups)

@@ -83,13 +83,13 @@ def test_damage_is_found_told_and_made_good(copy):
     before = arrays(copy)
     spectra, flipped_units = group(copy, "spectra")
     flip(chunk(spectra, "psd"))
-    transfer, gone_units = group(copy, "transfer")
+    integrals, gone_units = group(copy, "line_integrals")
     assert len(gone_units) > 1
-    chunk(transfer, "wavenumber").unlink()  # which all of them have in common
+    chunk(integrals, "frequency").unlink()  # which all of them have in common
     torn = next((copy / records.RECORDS / "receptance").iterdir())
     torn.write_bytes(torn.read_bytes()[:-40])
-    integrals, altered_units = group(copy, "line_integrals")
-    flip(integrals / "zarr.json")
+    transfer, altered_units = group(copy, "transfer")
+    flip(transfer / "zarr.json")
     damaged = {torn.stem, *flipped_units.values(), *gone_units.values(), *altered_units.values()}
     found = invoke("status", "--verify", copy)
     assert found.exit_code == 1
@@ -107,9 +107,10 @@ def test_damage_is_found_told_and_made_good(copy):
 
 def test_damage_of_one_result_is_not_that_of_others_in_its_group(copy):
     before = arrays(copy)
-    folder, units = group(copy, "transfer")
-    chunk(folder, "ground_8").unlink()
-    assert len(units) > 1
+    folder, units = group(copy, "line_integrals")
+    said = json.loads((folder / "integral" / "zarr.json").read_text())["attributes"]["members"]
+    assert said.keys() == units.keys() == {"rail", "8"}
+    (folder / "integral" / f"c.{list(said).index('8')}.0.0").unlink()
     found = invoke("status", "--verify", copy)
     assert "damaged   1" in found.output
     assert {unit for unit in before if unit in found.output} == {units["8"]}

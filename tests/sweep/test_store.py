@@ -38,20 +38,21 @@ class Table:
 
     frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz"})
     transfer: np.ndarray = field(
-        metadata={"dims": ("frequency",), "unit": "m2/N", "called_by": "name", "own": True}
+        metadata={"dims": ("frequency",), "unit": "m2/N", "called_by": "name", "own": "receiver"}
     )
-    name: str = field(metadata={"own": True})
-    offset: float = field(metadata={"own": True})
+    name: str = field(metadata={"own": "receiver"})
+    offset: float = field(metadata={"own": "receiver"})
     level: int
 
 
 COMMON = np.array([1.0, 2.0])
 TABLES = {
-    "": Table(COMMON, np.array([1.0, 2.0j]), "rail", math.nan, 3),
+    "8": Table(COMMON, np.array([1.0, 2.0j]), "ground", math.nan, 3),
     "12.5": Table(COMMON, np.array([3.0, 4.0j]), "ground", 12.5, 3),
     "24": Table(COMMON.copy(), np.array([5.0, 6.0j]), "ground", 24.0, 3),
+    "rail": Table(COMMON, np.array([7.0, 8.0j]), "rail", math.nan, 3),
 }
-"""By label. The last one has other frequencies, though they are as large."""
+"""By label. The third one has other frequencies, though they are as large, and the last one another name."""
 
 
 def example():
@@ -205,16 +206,22 @@ def read_member(tmp_path, request):
 
 
 def test_results_that_differ_in_what_is_their_own_lie_together():
-    assert store.sharing(TABLES) == [["", "12.5"], ["24"]]
-    other = dataclasses.replace(TABLES[""], level=4)
-    assert store.sharing({1: TABLES[""], 2: other}) == [[1], [2]]
+    assert store.sharing(TABLES) == [["8", "12.5"], ["24"], ["rail"]]
+    longer = dataclasses.replace(TABLES["8"], transfer=np.zeros(3))
+    with pytest.raises(ValueError, match="3 along frequency"):
+        store.sharing({1: longer})
+    for changed in ({"level": 4}, {"transfer": np.zeros(2)}):  # real numbers lie not among complex ones
+        other = dataclasses.replace(TABLES["8"], **changed)
+        assert store.sharing({1: TABLES["8"], 2: other}) == [[1], [2]]
 
 
-def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member):
-    written = stored_together(tmp_path, "", "12.5")
-    assert written[""].group == written["12.5"].group
-    folder = tmp_path / store.STORE / written[""].group
-    assert sorted(path.name for path in folder.iterdir()) == ["frequency", "ground_12.5", "rail", "zarr.json"]
+@pytest.mark.parametrize("chunk_bytes", [20, store.CHUNK_BYTES])
+def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member, monkeypatch, chunk_bytes):
+    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    written = stored_together(tmp_path, "8", "12.5")
+    assert written["8"].group == written["12.5"].group
+    folder = tmp_path / store.STORE / written["8"].group
+    assert sorted(path.name for path in folder.iterdir()) == ["frequency", "ground", "zarr.json"]
     assert sum(each.bytes_written for each in written.values()) == sum(
         path.stat().st_size for path in folder.rglob("*") if path.is_file()
     )
@@ -222,34 +229,43 @@ def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member):
         assert_equal(read_member(each), TABLES[label])
         assert_equal(store.restored(each, Table), TABLES[label])
         store.check(tmp_path, each.recorded())
+        stored = store.read_array(tmp_path, each.group, each.member, "ground")
+        np.testing.assert_array_equal(stored, TABLES[label].transfer)
+        stored = store.read_array(tmp_path, each.group, each.member, "frequency")
+        np.testing.assert_array_equal(stored, COMMON)
     arrays, attributes = store.read_recorded(tmp_path, written["12.5"].recorded())
     assert arrays.keys() == {"frequency", "ground"}
     said = {"name": "ground", "offset": 12.5, "unit_id": "id-12.5"}
     assert attributes == {"kind": "table", "level": 3, **said}
 
 
-def test_a_group_of_several_results_opens_as_one_dataset(tmp_path):
-    written = stored_together(tmp_path, "", "12.5")
-    with xarray.open_zarr(tmp_path / store.STORE / written[""].group) as dataset:
+@pytest.mark.parametrize("chunk_bytes", [20, store.CHUNK_BYTES])
+def test_a_group_of_several_results_opens_as_one_dataset(tmp_path, monkeypatch, chunk_bytes):
+    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    written = stored_together(tmp_path, "8", "12.5")
+    with xarray.open_zarr(tmp_path / store.STORE / written["8"].group) as dataset:
         assert dataset.attrs == {"kind": "table", "level": 3}
-        np.testing.assert_array_equal(dataset["ground_12.5"].values, TABLES["12.5"].transfer)
-        assert dataset["ground_12.5"].dims == dataset.rail.dims == ("frequency",)
-        assert dataset["ground_12.5"].attrs["offset"] == 12.5
-        assert dataset.rail.attrs["unit_id"] == "id-"
+        both = [TABLES[label].transfer for label in written]
+        np.testing.assert_array_equal(dataset.ground.values, both)
+        assert dataset.ground.dims == ("receiver", "frequency")
+        assert list(dataset.ground.attrs["members"]) == ["8", "12.5"]
+        assert dataset.ground.attrs["members"]["12.5"]["offset"] == 12.5
+    arrays, _ = store.read_arrays(tmp_path, written["8"].group)
+    np.testing.assert_array_equal(arrays["ground"], both)
 
 
 def test_a_result_is_the_same_whichever_others_lie_with_it(tmp_path, read_member):
     alone = stored_together(tmp_path, "12.5")["12.5"]
-    beside = stored_together(tmp_path, "", "12.5")["12.5"]
+    beside = stored_together(tmp_path, "8", "12.5")["12.5"]
     assert alone.group != beside.group
     assert (alone.arrays, json.loads(alone.attributes)) == (beside.arrays, json.loads(beside.attributes))
     assert_equal(read_member(alone), read_member(beside))
 
 
-@pytest.mark.parametrize(("damaged", "hit"), [("frequency", {"", "12.5"}), ("ground_12.5", {"12.5"})])
+@pytest.mark.parametrize(("damaged", "hit"), [("frequency/c.0", {"8", "12.5"}), ("ground/c.1.0", {"12.5"})])
 def test_damage_of_one_array_is_that_of_the_results_that_have_it(tmp_path, read_member, damaged, hit):
-    written = stored_together(tmp_path, "", "12.5")
-    (tmp_path / store.STORE / written[""].group / damaged / "c.0").unlink()
+    written = stored_together(tmp_path, "8", "12.5")
+    (tmp_path / store.STORE / written["8"].group / damaged).unlink()
     for label, each in written.items():
         if label in hit:
             with pytest.raises(store.DamagedError, match="table/1"):
@@ -261,10 +277,21 @@ def test_damage_of_one_array_is_that_of_the_results_that_have_it(tmp_path, read_
             store.check(tmp_path, each.recorded())
 
 
-@pytest.mark.parametrize("path", ["zarr.json", "rail/zarr.json", "frequency/zarr.json"])
+def test_results_that_have_changed_places_are_damaged(tmp_path, read_member):
+    written = stored_together(tmp_path, "8", "12.5")
+    folder = tmp_path / store.STORE / written["8"].group / "ground"
+    (folder / "c.0.0").rename(folder / "aside")
+    (folder / "c.1.0").rename(folder / "c.0.0")
+    (folder / "aside").rename(folder / "c.1.0")
+    for each in written.values():
+        with pytest.raises(store.DamagedError, match="ground is not the one recorded"):
+            read_member(each)
+
+
+@pytest.mark.parametrize("path", ["zarr.json", "ground/zarr.json", "frequency/zarr.json"])
 def test_altered_metadata_of_a_group_are_those_of_all_its_results(tmp_path, path):
-    written = stored_together(tmp_path, "", "12.5")
-    place = tmp_path / store.STORE / written[""].group / path
+    written = stored_together(tmp_path, "8", "12.5")
+    place = tmp_path / store.STORE / written["8"].group / path
     place.write_text(place.read_text().replace('"units":"m2/N"', '"units":"m3/N"').replace('"Hz"', '"kHz"'))
     for each in written.values():
         with pytest.raises(store.DamagedError, match="metadata"):
@@ -272,16 +299,15 @@ def test_altered_metadata_of_a_group_are_those_of_all_its_results(tmp_path, path
 
 
 def test_a_record_that_names_another_result_is_damage(tmp_path, read_member):
-    written = stored_together(tmp_path, "", "12.5")
-    for member in ("", "24", None):
+    written = stored_together(tmp_path, "8", "12.5")
+    for member in ("8", "24", None):
         with pytest.raises(store.DamagedError):
             read_member(dataclasses.replace(written["12.5"], member=member))
 
 
 def test_results_that_differ_in_other_things_are_refused(tmp_path):
-    other = dataclasses.replace(TABLES[""], level=4)
-    for results in ((TABLES[""], TABLES["24"]), (TABLES[""], other)):
-        named = {str(place): (result, {}) for place, result in enumerate(results)}
+    for other in (TABLES["24"], TABLES["rail"], dataclasses.replace(TABLES["8"], level=4)):
+        named = {"one": (TABLES["8"], {}), "other": (other, {})}
         with pytest.raises(ValueError, match="differ in what is not their own"):
             store.Writer(tmp_path).together("table/1", named, {})
     assert list(tmp_path.iterdir()) == []
