@@ -25,7 +25,8 @@ from sweep.study import KMH
 SECTION = "growth"
 SLOPE = 1.05
 """Linear, with a margin for what a few samples leave open."""
-SPEEDS, OFFSETS_TOTAL, LAYERS_TOTAL = 2.5, 2.0, 1.3
+RATIOS = {"speeds": 2.5, "offsets": 2.0, "layers": 1.3}
+"""What the largest size may cost over the smallest; of layers, what every doubling may."""
 _SPEEDS_KMH = (80.0, 232.0)
 
 
@@ -38,7 +39,11 @@ def measure(size: Size) -> Iterator[Figure]:
         if axis == "wavenumbers":
             continue
         with tempfile.TemporaryDirectory() as folder:
-            runs = [run(size, axis, value, Path(folder) / str(i)) for i, value in enumerate(values)]
+            runs: list[list[Ran]] = [[] for _ in values]
+            for turn in range(size.rounds if axis in RATIOS else 1):
+                for i, value in enumerate(values):
+                    if turn == 0 or i in (0, len(values) - 1):
+                        runs[i].append(run(size, axis, value, Path(folder) / f"{i}-{turn}"))
             yield from _figures(axis, values, runs)
             if axis == "speeds":
                 yield from _marginal(size, values, runs)
@@ -97,34 +102,33 @@ def _trains(names: Sequence[str]) -> dict[str, dict[str, Any]]:
     return made
 
 
-def _figures(axis: str, values: Sequence[float], runs: Sequence[Ran]) -> Iterator[Figure]:
-    """Yield what each value took, the slopes, and the ratios that are aimed at."""
+def _figures(axis: str, values: Sequence[float], runs: Sequence[Sequence[Ran]]) -> Iterator[Figure]:
+    """Yield what each value took, the slopes, and the ratio that is aimed at: that of every turn's runs."""
     series = {
-        ("total", "wall", "s"): [run.wall_s for run in runs],
-        ("total", "cpu", "s"): [run.cpu_s for run in runs],
-        ("tasks", "cpu", "s"): [run.computing_s for run in runs],
-        ("total", "peak memory of a process", "MB"): [run.peak_bytes / 1e6 for run in runs],
+        ("total", "wall", "s"): [[run.wall_s for run in each] for each in runs],
+        ("total", "cpu", "s"): [[run.cpu_s for run in each] for each in runs],
+        ("tasks", "cpu", "s"): [[run.computing_s for run in each] for each in runs],
+        ("total", "peak memory of a process", "MB"): [
+            [run.peak_bytes / 1e6 for run in each] for each in runs
+        ],
     }
     for (item, quantity, unit), found in series.items():
         for value, each in zip(values, found, strict=True):
-            yield Figure(SECTION, item, f"{axis} = {value:g}", quantity, unit, (each,))
-        exponent = slope(values, found)
+            yield Figure(SECTION, item, f"{axis} = {value:g}", quantity, unit, tuple(each))
+        exponent = slope(values, [float(np.median(each)) for each in found])
         aim = SLOPE if quantity == "cpu" and axis != "workers" else None
         yield Figure(SECTION, item, axis, f"slope of {quantity}, log-log axes", "1", (exponent,), at_most=aim)
-    total = series["total", "cpu", "s"]
-    if axis == "speeds":
-        name = f"{values[-1]:g} speeds over {values[0]:g}, cpu"
-        yield Figure(SECTION, "total", axis, name, "1", (total[-1] / total[0],), at_most=SPEEDS)
-    if axis == "offsets":
-        name = f"{values[-1]:g} offsets over {values[0]:g}, cpu"
-        yield Figure(SECTION, "total", axis, name, "1", (total[-1] / total[0],), at_most=OFFSETS_TOTAL)
-    if axis == "layers":
-        doubled = (total[-1] / total[0]) ** (1.0 / np.log2(values[-1] / values[0]))
-        name = "doubling, cpu"
-        yield Figure(SECTION, "total", axis, name, "1", (float(doubled),), at_most=LAYERS_TOTAL)
+    if axis in RATIOS:
+        total = series["total", "cpu", "s"]
+        ratios = [last / first for first, last in zip(total[0], total[-1], strict=True)]
+        name = f"{values[-1]:g} {axis} over {values[0]:g}, cpu"
+        if axis == "layers":
+            ratios = [ratio ** (1.0 / np.log2(values[-1] / values[0])) for ratio in ratios]
+            name = "doubling, cpu"
+        yield Figure(SECTION, "total", axis, name, "1", tuple(ratios), at_most=RATIOS[axis])
 
 
-def _marginal(size: Size, values: Sequence[float], runs: Sequence[Ran]) -> Iterator[Figure]:
+def _marginal(size: Size, values: Sequence[float], runs: Sequence[Sequence[Ran]]) -> Iterator[Figure]:
     """Yield what one more speed costs each approach, per 1,000 narrow-band lines of it."""
     length = library.load("train", "grona-taget").length
     band = midbands(*size.bands_hz)
@@ -133,9 +137,12 @@ def _marginal(size: Size, values: Sequence[float], runs: Sequence[Ran]) -> Itera
         return sum(lines(band, line_step(length, speed / KMH)).size for speed in speeds_kmh(int(number)))
 
     added = line_count(values[-1]) - line_count(values[0])
-    for approach, whole in runs[-1].approaches.items():
-        spent = 1e3 * (whole - runs[0].approaches[approach]) / added
-        yield Figure(SECTION, approach, "one more speed", "cpu per 1,000 lines", "s", (spent,))
+    for approach in runs[0][0].approaches:
+        spent = tuple(
+            1e3 * (last.approaches[approach] - first.approaches[approach]) / added
+            for first, last in zip(runs[0], runs[-1], strict=True)
+        )
+        yield Figure(SECTION, approach, "one more speed", "cpu per 1,000 lines", "s", spent)
 
 
 def _wavenumbers(size: Size) -> Iterator[Figure]:

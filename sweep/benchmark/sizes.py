@@ -27,6 +27,8 @@ class Size:
         Offsets of the studies, m.
     growth
         Per axis the values at which growth is measured.
+    rounds
+        How often the ends of an axis are run, in turn, where their ratio is aimed at.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Size:
     bands_hz: tuple[float, float]
     offsets_m: tuple[float, ...]
     growth: dict[str, tuple[float, ...]]
+    rounds: int
 
 
 FULL = Size(
@@ -60,6 +63,7 @@ FULL = Size(
         "speeds": (1, 5, 20),
         "workers": (1, 2),
     },
+    rounds=5,
 )
 QUICK = Size(
     name="quick",
@@ -79,5 +83,6 @@ QUICK = Size(
         "speeds": (1, 4),
         "workers": (1, 2),
     },
+    rounds=1,
 )
 SIZES = {size.name: size for size in (FULL, QUICK)}

@@ -21,6 +21,7 @@ from sweep.benchmark import (
     sizes,
     soils,
     stiffness_matrices,
+    studies,
     transfer,
 )
 from sweep.benchmark.figures import Figure, slope, timed
@@ -160,6 +161,30 @@ def test_a_run_is_measured_with_its_growth(tmp_path):
     assert {"transfer: fit", "transfer: transfer functions", "spectra: store"} <= ran.stages.keys()
     assert set(ran.approaches) == {"moving-roughness", "moving-roughness-uncorrelated", "full"}
     assert sum(ran.approaches.values()) > ran.computing_s  # what they share is charged to each
+
+
+def test_a_ratio_is_the_median_of_those_of_runs_in_turn(monkeypatch):
+    """The machine becomes slower from turn to turn, which no ratio of one turn shows."""
+    order = []
+
+    def ran(size, axis, value, directory):
+        turn = sum(each == (axis, value, directory.parent) for each in order)
+        order.append((axis, value, directory.parent))
+        spent = (1.0 + turn) * (4.0 + value)
+        return studies.Ran(directory, 1.0, spent, 0.5, 1, {"spectra: bands": 1.0}, {"full": spent})
+
+    monkeypatch.setattr(growth, "run", ran)
+    axes = {"speeds": (1, 2, 4), "soils": (1, 2), "wavenumbers": (2, 4)}
+    size = replace(sizes.QUICK, growth=axes, rounds=3)
+    found = {(each.item, each.case, each.quantity): each for each in growth.measure(size)}
+    assert [value for _, value, _ in order[1:]] == [1, 2, 4, 1, 4, 1, 4, 1, 2]
+    ratio = found["total", "speeds", "4 speeds over 1, cpu"]
+    assert ratio.samples == (1.6, 1.6, 1.6)
+    assert (ratio.at_most, ratio.holds) == (2.5, True)
+    assert found["total", "speeds = 4", "cpu"].samples == (8.0, 16.0, 24.0)
+    assert len(found["total", "speeds = 2", "cpu"].samples) == 1
+    assert len(found["full", "one more speed", "cpu per 1,000 lines"].samples) == 3
+    assert not any("over" in quantity for _, case, quantity in found if case == "soils")
 
 
 @pytest.mark.parametrize("axis", sorted(sizes.FULL.growth.keys() - {"wavenumbers"}))
