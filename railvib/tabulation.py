@@ -190,6 +190,7 @@ class _Samples:
         self.failed: set[float] = set()
         self._model = model
         self._known: dict[tuple[int, int], dict[Receiver, np.ndarray]] = {}
+        self._found: dict[tuple[int, bytes], list[dict[Receiver, np.ndarray]]] = {}
 
     def evaluate(self, level: int, ks: np.ndarray, receivers: list[Receiver]) -> None:
         """Compute what is missing of receivers at frequencies of a level, and of the ground at 0."""
@@ -214,7 +215,10 @@ class _Samples:
 
     def at(self, level: int, ks: np.ndarray, receiver: Receiver) -> list[np.ndarray]:
         """Return the values of a receiver, or C(β, 0), at frequencies of a level, each on the nodes."""
-        return [self._known[_coarsest(level, k)][receiver] for k in map(int, ks)]
+        key = level, ks.tobytes()
+        if key not in self._found:
+            self._found[key] = [self._known[_coarsest(level, k)] for k in map(int, ks)]
+        return [known[receiver] for known in self._found[key]]
 
     @property
     def know_compliance(self) -> bool:

@@ -104,7 +104,11 @@ def _plain(value: Any) -> Any:
         return [_plain(value.real), _plain(value.imag)]
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+    if not isinstance(value, tuple):
+        return value
+    if all(type(item) is float for item in value) and math.isfinite(sum(value)):
+        return list(value)
+    return [_plain(item) for item in value]
 
 
 def _restored(value: Any, form: Any) -> Any:

@@ -52,7 +52,7 @@ class Written:
     group_metadata
         The sha256 of the group's own metadata, which repeat all of that: a reader needs no others.
     attributes
-        Its attributes as JSON.
+        Its attributes, as they are read.
     values
         Its arrays.
     bytes_written
@@ -64,7 +64,7 @@ class Written:
     arrays: dict[str, dict[str, Any]]
     metadata: str
     group_metadata: str
-    attributes: bytes
+    attributes: dict[str, Any]
     values: Mapping[str, NDArray[Any]]
     bytes_written: int
 
@@ -203,7 +203,7 @@ class Writer:
                 arrays=group.checksums | group.own_checksums.get(label, {}),
                 metadata=digest,
                 group_metadata=hashlib.sha256(head).hexdigest(),
-                attributes=zarr_form.encode_attributes({**attributes, **parts.all_attributes}),
+                attributes={**attributes, **parts.all_attributes},
                 values={each: array for each, (array, _) in parts.all_arrays.items()},
                 bytes_written=size // len(members) + (number < size % len(members)),
             )
@@ -332,7 +332,7 @@ def restored(written: Written, kind: type[Result]) -> Result:
         if name not in found:
             found[name] = _as_read(written.values[name])
             compared.hold(found[name], recorded)
-    return fields.joined(kind, found, json.loads(written.attributes))
+    return fields.joined(kind, found, written.attributes)
 
 
 def _as_read(array: NDArray[Any]) -> NDArray[Any]:
