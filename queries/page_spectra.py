@@ -161,7 +161,9 @@ def _lines(connection: duckdb.DuckDBPyConnection, series: NDArray[Any]) -> Itera
                 [int(ascending[part[0]]), int(ascending[part[-1]])],
             ).fetchnumpy()
             row, frequency, density = (filled(column) for column in found.values())
-            if np.any((row[1:] < row[:-1]) | ((row[1:] == row[:-1]) & (frequency[1:] < frequency[:-1]))):
+            # In order, lines go down in frequency only where the next spectrum begins.
+            down = np.flatnonzero(frequency[1:] < frequency[:-1])
+            if np.any(row[1:] < row[:-1]) or np.any(row[down] == row[down + 1]):
                 place = np.lexsort((frequency, row))  # they were written in order, but nobody is bound to
                 row, frequency, density = row[place], frequency[place], density[place]
             ends = np.searchsorted(row, [ascending[part], ascending[part] + 1]).T

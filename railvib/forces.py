@@ -6,13 +6,16 @@ With the standing receptances of the rail this is the moving-roughness approach,
 model; nothing else differs.
 """
 
+from functools import lru_cache
+from typing import NamedTuple
+
 import numpy as np
 
 from railvib import cost
 from railvib.axle_system import solve
 from railvib.receptance import Receptances
 from railvib.vector_math import turned
-from railvib.vehicle import Train, chain_flexibilities, train_receptance
+from railvib.vehicle import Train, Vehicle, chain_flexibilities, train_receptance
 
 _MOST_GROWTH = 1e3
 """Largest product of the factors' entries, relative to the matrix, with which rows keep their order: of 16
@@ -67,9 +70,8 @@ def axle_forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenne
 
 def _forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenness: np.ndarray) -> np.ndarray:
     """Return the forces of several sets of unevenness, (n, axles, sets)."""
-    alpha = train.axle_positions
-    column = np.searchsorted(rail.distance, np.round(alpha[:, None] - alpha[None, :], 9) - 1e-8)
-    kinds = {vehicle: number for number, vehicle in enumerate(dict.fromkeys(train.vehicles))}
+    layout = _layout(train)
+    column = np.searchsorted(rail.distance, layout.distance - 1e-8)
     forces = np.empty(unevenness.shape, complex)
     with cost.stage("wheel-rail forces") as spent:
         omega = 2.0 * np.pi * frequency
@@ -77,18 +79,42 @@ def _forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenness: 
         growth = solve(
             receptance,
             column,
-            np.stack([chain_flexibilities(vehicle, omega) for vehicle in kinds]),
-            np.array([kinds[vehicle] for vehicle in reversed(train.vehicles)]),
-            1.0 / train.contact_stiffness,
+            np.stack([chain_flexibilities(vehicle, omega) for vehicle in layout.kinds]),
+            layout.kind,
+            layout.contact,
             np.ascontiguousarray(unevenness),
             forces,
         )
         for row in np.flatnonzero(~(growth < _MOST_GROWTH)):  # as yet no train has needed it
             compliance = receptance[row][column] + train_receptance(train, omega[row])
-            compliance += np.diag(1.0 / train.contact_stiffness)
+            compliance += np.diag(layout.contact)
             forces[row] = -np.linalg.solve(compliance, unevenness[row])
         spent.evaluations += frequency.size
     return forces
+
+
+class _Layout(NamedTuple):
+    """What the equations of a train's axles take from it."""
+
+    distance: np.ndarray
+    """Between every two axles, signed, m."""
+    kinds: tuple[Vehicle, ...]
+    kind: np.ndarray
+    """Of every vehicle, ascending in x: which of the kinds."""
+    contact: np.ndarray
+    """1/k_H of every axle, m/N."""
+
+
+@lru_cache(16)
+def _layout(train: Train) -> _Layout:
+    alpha = train.axle_positions
+    kinds = {vehicle: number for number, vehicle in enumerate(dict.fromkeys(train.vehicles))}
+    return _Layout(
+        np.round(alpha[:, None] - alpha[None, :], 9),
+        tuple(kinds),
+        np.array([kinds[vehicle] for vehicle in reversed(train.vehicles)]),
+        1.0 / train.contact_stiffness,
+    )
 
 
 def arrivals(train: Train, frequency: np.ndarray, speed: float) -> np.ndarray:

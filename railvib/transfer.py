@@ -14,7 +14,7 @@ exactly: rails on pads resonate more sharply than damped ground, and would ask f
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 from weakref import finalize
 
@@ -212,12 +212,8 @@ class Nodes:
         return self.top_slowness, self.largest, self.edge.tobytes()
 
     def panel_edges(self, frequency: np.ndarray) -> np.ndarray:
-        """Return the panels' edges at frequencies (n,), rad/m, (n, edges)."""
-        dense = 2.0 * np.pi * np.asarray(frequency)[:, None] * self.top_slowness
-        edge: np.ndarray = dense * self.edge
-        (outer,) = np.nonzero(self.edge > 1.0)
-        edge[:, outer] = dense * (self.largest / dense) ** (self.edge[outer] - 1.0)
-        return edge
+        """Return the panels' edges at frequencies (n,), rad/m, (n, edges); not to be written to."""
+        return _panel_edges(self, np.asarray(frequency, float).tobytes())
 
     def panels(self, frequency: np.ndarray, wavenumber: np.ndarray) -> tuple[int, int]:
         """Return the first and the last of the panels that hold pairs of frequency and wavenumber.
@@ -233,6 +229,16 @@ class Nodes:
     def wavenumber(self, frequency: np.ndarray) -> np.ndarray:
         """Return the nodes at frequencies (n,), rad/m, (n, node)."""
         return nodes_between(self.panel_edges(frequency))
+
+
+@lru_cache(64)
+def _panel_edges(nodes: Nodes, frequency: bytes) -> np.ndarray:
+    """Return edges at frequencies given by their bytes: receivers of one class ask for the same in turn."""
+    dense = 2.0 * np.pi * np.frombuffer(frequency)[:, None] * nodes.top_slowness
+    edge: np.ndarray = dense * nodes.edge
+    (outer,) = np.nonzero(nodes.edge > 1.0)
+    edge[:, outer] = dense * (nodes.largest / dense) ** (nodes.edge[outer] - 1.0)
+    return edge
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})

@@ -3,7 +3,6 @@
 Only results in use are measured again and again: all others cannot grow.
 """
 
-import dataclasses
 import sys
 from collections import Counter, OrderedDict
 from collections.abc import Iterable
@@ -56,8 +55,7 @@ class _Held:
 
     def measure(self) -> list[_Sized]:
         """Return the arrays derived from the result that are kept with it, behind its fields."""
-        kept = islice(vars(self.result).values(), len(dataclasses.fields(self.result)), None)
-        return _sized(tuple(kept))
+        return _sized(islice(vars(self.result).values(), _field_count(self.result), None))
 
     def used_elsewhere(self) -> bool:
         """Return whether somebody else has the result, and may derive more from it."""
@@ -94,7 +92,7 @@ class Cache:
         """Hold a result, and let go of those not used for longest."""
         if key in self._results:
             return
-        own = _sized(tuple(islice(vars(result).values(), len(dataclasses.fields(result)))))
+        own = _sized(islice(vars(result).values(), _field_count(result)))
         self._results[key] = _Held(result, own)
         self._used.add(key)
         self._take(own)
@@ -143,12 +141,19 @@ class Cache:
                 self._held -= array.nbytes
 
 
-def _sized(value: Any) -> list[_Sized]:
-    """Return the arrays in dictionaries and tuples."""
+def _field_count(result: Any) -> int:
+    # As many as `dataclasses.fields` returns of results, which it looks for among them each time.
+    return len(result.__dataclass_fields__)
+
+
+def _sized(values: Iterable[Any]) -> list[_Sized]:
+    """Return the arrays among values, and in dictionaries and tuples."""
     found: list[_Sized] = []
-    for each in value.values() if isinstance(value, dict) else value:
+    for each in values:
         if isinstance(each, np.ndarray):
             found.append(_Sized(id(each), each.nbytes))
-        elif isinstance(each, dict) or (isinstance(each, tuple) and each and not isinstance(each[0], float)):
+        elif isinstance(each, dict):
+            found += _sized(each.values())
+        elif isinstance(each, tuple) and each and not isinstance(each[0], float):
             found += _sized(each)
     return found
