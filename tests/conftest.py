@@ -1,6 +1,7 @@
 """Soils, tracks, trains and tables that many tests share; each is made once per session."""
 
 import gc
+import signal
 from collections.abc import Callable
 from functools import cache
 
@@ -17,6 +18,10 @@ from railvib.vehicle import Train, Vehicle
 # A busy machine makes a right answer slow, not wrong.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
+
+# Who is started in the background ignores Ctrl-C, and so would all that tests start and interrupt.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 Tables = Callable[..., dict[Receiver, TransferFunction]]
 
