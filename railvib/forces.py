@@ -46,8 +46,7 @@ def force_matrices(train: Train, rail: Receptances, frequency: np.ndarray) -> np
     ndarray of complex, shape (n, axles, axles)
         G_lp = P_l for w̃_p = 1 and no unevenness elsewhere, N/m; axles ascend in x.
     """
-    unit = np.eye(train.axle_count, dtype=complex)
-    return _forces(train, rail, frequency, np.broadcast_to(unit, (frequency.size, *unit.shape)))
+    return AxleEquations(train, rail, frequency).matrices(slice(None))
 
 
 def axle_forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenness: np.ndarray) -> np.ndarray:
@@ -65,32 +64,54 @@ def axle_forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenne
     ndarray of complex, shape (n, axles)
         P_l, N; axles ascend in x.
     """
-    return _forces(train, rail, frequency, unevenness[..., None])[..., 0]
+    return AxleEquations(train, rail, frequency).forces(slice(None), unevenness[..., None])[..., 0]
 
 
-def _forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenness: np.ndarray) -> np.ndarray:
-    """Return the forces of several sets of unevenness, (n, axles, sets)."""
-    layout = _layout(train)
-    column = np.searchsorted(rail.distance, layout.distance - 1e-8)
-    forces = np.empty(unevenness.shape, complex)
-    with cost.stage("wheel-rail forces") as spent:
-        omega = 2.0 * np.pi * frequency
-        receptance = rail.at(frequency)
-        growth = solve(
-            receptance,
-            column,
-            np.stack([chain_flexibilities(vehicle, omega) for vehicle in layout.kinds]),
-            layout.kind,
-            layout.contact,
-            np.ascontiguousarray(unevenness),
-            forces,
-        )
-        for row in np.flatnonzero(~(growth < _MOST_GROWTH)):  # as yet no train has needed it
-            compliance = receptance[row][column] + train_receptance(train, omega[row])
-            compliance += np.diag(layout.contact)
-            forces[row] = -np.linalg.solve(compliance, unevenness[row])
-        spent.evaluations += frequency.size
-    return forces
+class AxleEquations:
+    """Eq. 12 at some frequencies, to be solved for some of them at a time.
+
+    Parameters
+    ----------
+    train, rail, frequency
+        As for `force_matrices`.
+    """
+
+    def __init__(self, train: Train, rail: Receptances, frequency: np.ndarray) -> None:
+        self._train = train
+        self._layout = _layout(train)
+        self._column = np.searchsorted(rail.distance, self._layout.distance - 1e-8)
+        with cost.stage("wheel-rail forces"):
+            self._omega = 2.0 * np.pi * frequency
+            self._receptance = rail.at(frequency)
+            flexibility = [chain_flexibilities(vehicle, self._omega) for vehicle in self._layout.kinds]
+            self._flexibility = np.stack(flexibility)
+
+    def matrices(self, rows: slice) -> np.ndarray:
+        """Return what `force_matrices` does, at some of the frequencies."""
+        unit = np.eye(self._train.axle_count, dtype=complex)
+        return self.forces(rows, np.broadcast_to(unit, (self._omega[rows].size, *unit.shape)))
+
+    def forces(self, rows: slice, unevenness: np.ndarray) -> np.ndarray:
+        """Return the forces of several sets of unevenness at some of the frequencies, (n, axles, sets)."""
+        forces = np.empty(unevenness.shape, complex)
+        with cost.stage("wheel-rail forces") as spent:
+            receptance = self._receptance[rows]
+            growth = solve(
+                receptance,
+                self._column,
+                np.ascontiguousarray(self._flexibility[..., rows]),
+                self._layout.kind,
+                self._layout.contact,
+                np.ascontiguousarray(unevenness),
+                forces,
+            )
+            for row in np.flatnonzero(~(growth < _MOST_GROWTH)):  # as yet no train has needed it
+                omega = self._omega[rows][row]
+                compliance = receptance[row][self._column] + train_receptance(self._train, omega)
+                compliance += np.diag(self._layout.contact)
+                forces[row] = -np.linalg.solve(compliance, unevenness[row])
+            spent.evaluations += len(forces)
+        return forces
 
 
 class _Layout(NamedTuple):

@@ -8,7 +8,7 @@ import numpy as np
 
 from railvib import bands, cost, threads
 from railvib.excitation import excitation
-from railvib.forces import arrivals, axle_forces, axle_numbers, force_matrices
+from railvib.forces import AxleEquations, arrivals, axle_forces, axle_numbers
 from railvib.full_model import passage_spectra
 from railvib.line_integrals import LineIntegrals
 from railvib.moving_roughness import axle_pairs, force_products, line_means, products
@@ -245,12 +245,13 @@ def _standing(
     with cost.stage("line average"):
         distance = next(iter(integrals.values())).distance
         on_lines = {receiver: each.at(frequency) for receiver, each in integrals.items()}
+    equations = AxleEquations(train, rail, frequency)
     # One set of forces takes no matrices.
     at_once = frequency.size if approach == "moving-roughness" else LINES_AT_ONCE
     for start in range(0, frequency.size, at_once):
         here = slice(start, start + at_once)
         if approach == "moving-roughness-by-axle":
-            matrices = force_matrices(train, rail, frequency[here])
+            matrices = equations.matrices(here)
             sets = matrices @ phase[here, :, None]
             with cost.stage("line average"):
                 parts.append(
@@ -258,12 +259,13 @@ def _standing(
                 )
         else:
             if approach == "moving-roughness-uncorrelated":  # Eq. 28: each axle's unevenness alone
-                sets = force_matrices(train, rail, frequency[here])
+                sets = equations.matrices(here)
             else:  # Eq. 23: one set of forces, that of all axles together
-                sets = axle_forces(train, rail, frequency[here], phase[here])[..., None]
+                sets = equations.forces(here, phase[here, :, None])
             with cost.stage("line average"):
                 parts.append(_means(position, sets, here, distance, on_lines, over_train))
-        force[here] = (np.abs(sets) ** 2).sum(axis=2)
+        floats = np.ascontiguousarray(sets).view(float)
+        force[here] = np.einsum("lan,lan->la", floats, floats)
     joined = {
         receiver: {name: np.concatenate([part[receiver][name] for part in parts]) for name in each}
         for receiver, each in parts[0].items()
