@@ -77,9 +77,10 @@ def rail_integrals(
     sine = np.zeros((frequency.size, 2, distance.size))
     _per_frequency(
         np.searchsorted(panels.owner[order], np.arange(frequency.size + 1)),
+        order,
         panels.centre[order],
         panels.half[order],
-        np.stack([panels.value.real, panels.value.imag], axis=1)[order],
+        panels.value.view(float),
         distance,
         cosine,
         sine,
@@ -115,7 +116,7 @@ def _resolved(
         value[~tail] = rail.response(beta[~tail], seen[~tail], into_halo=speed == 0.0)
         value[tail], _force = track_response(track, beta[tail], seen[tail], 0.0)
         if halving == 0:
-            np.maximum.at(peak, owner, np.abs(value).max(axis=1))
+            np.maximum.at(peak, owner, np.sqrt((np.square(value.real) + np.square(value.imag)).max(axis=1)))
         bad = unresolved(value)[:, 0] * 2.0 * half > _RESOLVED * tolerance * peak[owner]
         bad &= halving < _MOST_HALVINGS
         parts.append(_Panels(owner[~bad], centre[~bad], half[~bad], value[~bad]))
@@ -175,10 +176,11 @@ def _within(value: np.ndarray, limit: float) -> np.ndarray:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _per_frequency(first, centre, half, value, distance, cosine, sine):
+def _per_frequency(first, order, centre, half, value, distance, cosine, sine):
     """Add the cosine and sine integrals of every frequency's panels, (frequencies, 2, distances) each.
 
-    `value`, (panels, 2, order), holds real and imaginary parts.
+    The panels are in order of their frequencies, but for `value`, whose rows `order` names; there real and
+    imaginary parts are in turn, (panels, 2·order).
     """
     frequencies = first.shape[0] - 1
     most = 0
@@ -187,8 +189,8 @@ def _per_frequency(first, centre, half, value, distance, cosine, sine):
     own = np.empty((2, most, ORDER))
     for i in range(frequencies):
         for p in range(first[i], first[i + 1]):
-            for q in range(2):
-                for j in range(ORDER):
-                    own[q, p - first[i], j] = value[p, q, j]
+            for j in range(ORDER):
+                own[0, p - first[i], j] = value[order[p], 2 * j]
+                own[1, p - first[i], j] = value[order[p], 2 * j + 1]
         here = slice(first[i], first[i + 1])
         fourier_integrals(centre[here], half[here], own, distance, cosine[i], sine[i])
