@@ -112,9 +112,12 @@ def _resolved(
         beta = centre[:, None] + half[:, None] * NODE
         seen = 2.0 * np.pi * frequency[owner][:, None] - beta * speed
         tail = np.abs(centre) > rail.reach
-        value = np.empty(beta.shape, complex)
-        value[~tail] = rail.response(beta[~tail], seen[~tail], into_halo=speed == 0.0)
-        value[tail], _force = track_response(track, beta[tail], seen[tail], 0.0)
+        if tail.any():
+            value = np.empty(beta.shape, complex)
+            value[~tail] = rail.response(beta[~tail], seen[~tail], into_halo=speed == 0.0)
+            value[tail], _force = track_response(track, beta[tail], seen[tail], 0.0)
+        else:
+            value = rail.response(beta, seen, into_halo=speed == 0.0)
         if halving == 0:
             np.maximum.at(peak, owner, np.sqrt((np.square(value.real) + np.square(value.imag)).max(axis=1)))
         bad = unresolved(value)[:, 0] * 2.0 * half > _RESOLVED * tolerance * peak[owner]
