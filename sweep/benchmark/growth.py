@@ -27,6 +27,8 @@ SLOPE = 1.05
 """Linear, with a margin for what a few samples leave open."""
 RATIOS = {"speeds": 2.5, "offsets": 2.0, "layers": 1.3}
 """What the largest size may cost over the smallest; of layers, what every doubling may."""
+_SLOPE_ROUNDS = 3
+"""Rounds that do for a slope."""
 _SPEEDS_KMH = (80.0, 232.0)
 
 
@@ -40,7 +42,7 @@ def measure(size: Size) -> Iterator[Figure]:
             continue
         with tempfile.TemporaryDirectory() as folder:
             runs: list[list[Ran]] = [[] for _ in values]
-            for turn in range(size.rounds if axis in RATIOS else 1):
+            for turn in range(size.rounds if axis in RATIOS else min(size.rounds, _SLOPE_ROUNDS)):
                 for i, value in enumerate(values):
                     if turn == 0 or i in (0, len(values) - 1):
                         runs[i].append(run(size, axis, value, Path(folder) / f"{i}-{turn}"))

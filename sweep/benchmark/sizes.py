@@ -28,7 +28,7 @@ class Size:
     growth
         Per axis the values at which growth is measured.
     rounds
-        How often the ends of an axis are run, in turn, where their ratio is aimed at.
+        How often the ends of an axis are run, in turn: what else the machine does makes one run say little.
     """
 
     name: str
