@@ -13,7 +13,7 @@ from obstore.exceptions import AlreadyExistsError, BaseError
 from obstore.store import S3Store
 
 from railvib.errors import InputError
-from sweep.location import NONE, S3
+from sweep.location import NONE, S3, Content
 
 if TYPE_CHECKING:
     from obstore.store import RetryConfig
@@ -106,16 +106,15 @@ class Bucket:
             self.create(key, content)
             self._ensured.add(key)
 
-    def put(
-        self, prefix: str, objects: Mapping[str, bytes | memoryview], same: Mapping[str, str] = NONE
-    ) -> int:
+    def put(self, prefix: str, objects: Mapping[str, Content], same: Mapping[str, str] = NONE) -> int:
         """Put all objects: whoever else does so puts the same bytes, for the prefix names them."""
         with ThreadPoolExecutor(CONNECTIONS) as pool:
-            list(pool.map(lambda key: self._put(f"{prefix}/{key}", objects[key]), objects))
-        return sum(map(len, objects.values()))
+            return sum(pool.map(lambda key: self._put(f"{prefix}/{key}", objects[key]), objects))
 
-    def _put(self, key: str, content: bytes | memoryview) -> None:
-        obstore.put(self._store, key, bytes(content))
+    def _put(self, key: str, content: Content) -> int:
+        whole = b"".join(content) if isinstance(content, tuple) else bytes(content)
+        obstore.put(self._store, key, whole)
+        return len(whole)
 
     def remove(self, key: str) -> None:
         """Delete an object; one that is not there counts as deleted."""

@@ -23,6 +23,8 @@ from railvib.errors import InputError
 if TYPE_CHECKING:
     from zarr.abc.store import Store
 
+Content = bytes | memoryview | tuple[memoryview, bytes]
+"""Of an object that is put: its bytes, or two parts of them, one after the other."""
 S3 = "s3://"
 ABANDONED_S = 24 * 3600.0
 """Age at which what a writer has left aside is taken for abandoned, where others may be at work."""
@@ -55,9 +57,7 @@ class Location(Protocol):
     def ensure(self, key: str, content: bytes) -> None:
         """See that a key whose content never changes is there."""
 
-    def put(
-        self, prefix: str, objects: Mapping[str, bytes | memoryview], same: Mapping[str, str] = NONE
-    ) -> int:
+    def put(self, prefix: str, objects: Mapping[str, Content], same: Mapping[str, str] = NONE) -> int:
         """Write a whole group; `prefix` names its content, so that what is there is the same or damaged.
 
         `same` holds keys of this location at which objects of the group may have been put before. Returns
@@ -189,9 +189,7 @@ class Folder:
         os.replace(aside, path)
         _sync(os.path.dirname(path))
 
-    def put(
-        self, prefix: str, objects: Mapping[str, bytes | memoryview], same: Mapping[str, str] = NONE
-    ) -> int:
+    def put(self, prefix: str, objects: Mapping[str, Content], same: Mapping[str, str] = NONE) -> int:
         """Write a folder aside, and rename it to its place; what is there already gets another name."""
         aside = f"{self._folder}{self._partial(prefix)}/{uuid.uuid4().hex}"
         for folder in dict.fromkeys(key.rpartition("/")[0] for key in objects):
@@ -199,8 +197,7 @@ class Folder:
         written = 0
         for key, content in objects.items():
             if key not in same or not _linked(self._folder + same[key], f"{aside}/{key}"):
-                _write(f"{aside}/{key}", content)
-                written += len(content)
+                written += _write(f"{aside}/{key}", content)
         _rename(aside, self._folder + prefix)
         return written
 
@@ -268,9 +265,10 @@ def _read(path: str) -> bytearray:
         return content
 
 
-def _write(path: str, content: bytes | memoryview) -> None:
+def _write(path: str, content: Content) -> int:
+    """Write a file, and return how many bytes it has."""
     with open(path, "wb") as file:
-        file.write(content)
+        return sum(map(file.write, content if isinstance(content, tuple) else (content,)))
 
 
 def _aside(path: str) -> str:

@@ -22,6 +22,7 @@ from sweep import compared, fields, location, records, zarr_form
 from sweep.fields import Result
 from sweep.group import MEMBERS, Group, Recorded, metadata_digest
 from sweep.group import DamagedError as DamagedError
+from sweep.location import Content
 
 if TYPE_CHECKING:
     import zarr
@@ -77,7 +78,8 @@ class Written:
 class _Stored:
     """What became of an array, the key below which it lies, and whether several groups have it."""
 
-    objects: Mapping[str, bytes | memoryview]
+    head: bytes
+    chunks: Mapping[str, Content]
     checksum: dict[str, Any]
     key: str
     shared: bool = False
@@ -85,7 +87,7 @@ class _Stored:
 
 @dataclasses.dataclass
 class _Encoded:
-    """The arrays of a group: of each the objects, and where other groups have them.
+    """The arrays of a group: of each its metadata, its chunks, and where other groups have them.
 
     Attributes
     ----------
@@ -97,7 +99,8 @@ class _Encoded:
         Arrays that no other group has yet, though it may.
     """
 
-    objects: dict[str, Mapping[str, bytes | memoryview]] = dataclasses.field(default_factory=dict)
+    heads: dict[str, bytes] = dataclasses.field(default_factory=dict)
+    chunks: dict[str, Mapping[str, Content]] = dataclasses.field(default_factory=dict)
     checksums: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
     own_checksums: dict[str | None, dict[str, dict[str, Any]]] = dataclasses.field(default_factory=dict)
     same: dict[str, str] = dataclasses.field(default_factory=dict)
@@ -105,10 +108,10 @@ class _Encoded:
 
     def encode(self, key: str, array: NDArray[Any], metadata: Mapping[str, Any]) -> None:
         """Add an array that no other group has."""
-        self.objects[key] = zarr_form.encode_array(key, array, metadata, CHUNK_BYTES)
+        self.heads[key], self.chunks[key] = zarr_form.encode_array(key, array, metadata, CHUNK_BYTES)
         self.checksums[key] = compared.checksum(array)
         self.fresh[key] = array
-        compared.remember_chunks(zarr_form.chunk_checksums(self.objects[key]), self.checksums[key])
+        compared.remember_chunks(zarr_form.chunk_checksums(self.chunks[key]), self.checksums[key])
 
     def encode_own(self, members: Mapping[str | None, fields.Parts]) -> None:
         """Add what results have for themselves, array by array, one result behind the other."""
@@ -116,13 +119,12 @@ class _Encoded:
         for key, (_, metadata) in next(iter(members.values())).own_arrays.items():
             arrays = [parts.own_arrays[key][0] for parts in members.values()]
             form = {**metadata, "dims": (metadata["own"], *metadata["dims"]), "attributes": said}
-            head, chunks = zarr_form.encode_stack(key, arrays, form, CHUNK_BYTES)
-            self.objects[key] = {zarr_form.METADATA: head}
+            self.heads[key], chunks = zarr_form.encode_stack(key, arrays, form, CHUNK_BYTES)
+            self.chunks[key] = {place: chunk for own in chunks for place, chunk in own.items()}
             for label, array, own in zip(members, arrays, chunks, strict=True):
                 checksum = compared.checksum(array)
                 compared.remember_chunks(zarr_form.chunk_checksums(own), checksum)
                 self.own_checksums.setdefault(label, {})[key] = checksum
-                self.objects[key] = {**self.objects[key], **own}
 
 
 class Writer:
@@ -188,14 +190,13 @@ class Writer:
             self._add(group, key, array, metadata)
         group.encode_own(members)
         said = zarr_form.encode_attributes({**attributes, **first.attributes})
-        head = zarr_form.encode_group(group.objects, said)
-        objects: dict[str, bytes | memoryview] = {zarr_form.METADATA: head}
-        for key, array_objects in group.objects.items():
-            objects |= {f"{key}/{each}": content for each, content in array_objects.items()}
-        digest = metadata_digest(objects)
+        head = zarr_form.encode_group(group.heads, said)
+        heads = {zarr_form.METADATA: head}
+        heads |= {f"{key}/{zarr_form.METADATA}": each for key, each in group.heads.items()}
+        digest = metadata_digest(heads)
         content = json.dumps([group.checksums, list(group.own_checksums.values()), digest], sort_keys=True)
         place = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
-        size = self._put(f"{STORE}/{place}", objects, group)
+        size = self._put(f"{STORE}/{place}", heads, group)
         return [
             Written(
                 group=place,
@@ -215,27 +216,30 @@ class Writer:
         stored = self._stored.get((key, id(array)))
         if stored is None:
             group.encode(key, array, metadata)
-            head = bytes(group.objects[key][zarr_form.METADATA])
-            if head in self._heads:
-                group.same[f"{key}/{zarr_form.METADATA}"] = self._heads[head]
+            if group.heads[key] in self._heads:
+                group.same[f"{key}/{zarr_form.METADATA}"] = self._heads[group.heads[key]]
         else:
             stored.shared = True
-            group.objects[key], group.checksums[key] = stored.objects, stored.checksum
-            group.same |= {f"{key}/{each}": f"{stored.key}/{each}" for each in stored.objects}
+            group.heads[key], group.chunks[key] = stored.head, stored.chunks
+            group.checksums[key] = stored.checksum
+            for each in (zarr_form.METADATA, *stored.chunks):
+                group.same[f"{key}/{each}"] = f"{stored.key}/{each}"
 
-    def _put(self, prefix: str, objects: Mapping[str, bytes | memoryview], group: _Encoded) -> int:
+    def _put(self, prefix: str, heads: Mapping[str, bytes], group: _Encoded) -> int:
         """Write a group to its place, and keep in mind where its arrays are; return the bytes written."""
         place = location.at(self._home)
         for level in _above(prefix):
             if level not in self._ensured:  # so that the store can be walked from its root
                 place.ensure(f"{level}/{zarr_form.METADATA}", _EMPTY_GROUP)
                 self._ensured.add(level)
+        objects: dict[str, Content] = {**heads}
+        for key, chunks in group.chunks.items():
+            objects |= {f"{key}/{each}": chunk for each, chunk in chunks.items()}
         written = place.put(prefix, objects, group.same)
         for key, array in group.fresh.items():
-            known = key, id(array)
-            self._stored[known] = _Stored(group.objects[key], group.checksums[key], f"{prefix}/{key}")
+            known, head = (key, id(array)), group.heads[key]
+            self._stored[known] = _Stored(head, group.chunks[key], group.checksums[key], f"{prefix}/{key}")
             finalize(array, _forget, ref(self), known).atexit = False
-            head = bytes(group.objects[key][zarr_form.METADATA])
             self._heads.setdefault(head, f"{prefix}/{key}/{zarr_form.METADATA}")
         return written
 

@@ -19,6 +19,8 @@ import google_crc32c
 import numpy as np
 from numpy.typing import NDArray
 
+from sweep.location import Content
+
 _CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "crc32c"}]
 """Complex fields do not compress; the checksum shows a torn chunk to any reader."""
 _CRC_BYTES = 4
@@ -42,8 +44,8 @@ Objects = Mapping[str, bytes | bytearray | memoryview]
 
 def encode_array(
     name: str, array: NDArray[Any], metadata: Mapping[str, Any], chunk_bytes: int
-) -> dict[str, bytes | memoryview]:
-    """Return the objects of an array.
+) -> tuple[bytes, dict[str, Content]]:
+    """Return the metadata of an array, and its chunks.
 
     Parameters
     ----------
@@ -54,20 +56,21 @@ def encode_array(
     """
     shape = _chunk_shape(array, chunk_bytes)
     said = _array_metadata(name, array.shape, array.dtype, shape, metadata)
-    return {METADATA: _json(said), **_chunks(array, shape, ())}
+    return _json(said), _chunks(array, shape, ())
 
 
 def encode_stack(
     name: str, arrays: Sequence[NDArray[Any]], metadata: Mapping[str, Any], chunk_bytes: int
-) -> tuple[bytes, list[dict[str, bytes | memoryview]]]:
+) -> tuple[bytes, list[dict[str, Content]]]:
     """Return the metadata of arrays of one form along a new first dimension, and the chunks of each.
 
-    Parameters are those of `encode_array`; the first of `dims` is the new dimension.
+    Parameters are those of `encode_array`; the first of `dims` is the new dimension. Chunks are views of the
+    arrays where they can be.
     """
     first = arrays[0]
     shape = _chunk_shape(first, chunk_bytes)
     said = _array_metadata(name, (len(arrays), *first.shape), first.dtype, [1, *shape], metadata)
-    return _json(said), [_chunks(array, shape, (place,)) for place, array in enumerate(arrays)]
+    return _json(said), [_chunks(array, shape, (place,), view=True) for place, array in enumerate(arrays)]
 
 
 def slice_metadata(said: Mapping[str, Any], place: int) -> dict[str, Any]:
@@ -77,9 +80,10 @@ def slice_metadata(said: Mapping[str, Any], place: int) -> dict[str, Any]:
     return {**said, "shape": said["shape"][1:], "chunk_grid": grid, _PLACE: [*said.get(_PLACE, []), place]}
 
 
-def chunk_checksums(array: Objects) -> bytes:
-    """Return the checksums of the chunks of an encoded array, as `decode_array` does."""
-    return b"".join(bytes(chunk[-_CRC_BYTES:]) for key, chunk in array.items() if key != METADATA)
+def chunk_checksums(chunks: Mapping[str, Content]) -> bytes:
+    """Return the checksums of encoded chunks, as `decode_array` does."""
+    every = (chunk[1] if isinstance(chunk, tuple) else chunk[-_CRC_BYTES:] for chunk in chunks.values())
+    return b"".join(every)
 
 
 def encode_attributes(attributes: Mapping[str, Any]) -> bytes:
@@ -93,10 +97,10 @@ def encode_attributes(attributes: Mapping[str, Any]) -> bytes:
     return _json(dict(attributes))
 
 
-def encode_group(arrays: Mapping[str, Objects], attributes: bytes) -> bytes:
-    """Return the metadata of a group of arrays and encoded attributes."""
+def encode_group(arrays: Mapping[str, bytes], attributes: bytes) -> bytes:
+    """Return the metadata of a group from those of its arrays and from encoded attributes."""
     # What is said of the arrays is repeated, an extension of the format for which xarray looks.
-    repeated = b",".join(b"%b:%b" % (_quoted(name), bytes(array[METADATA])) for name, array in arrays.items())
+    repeated = b",".join(b"%b:%b" % (_quoted(name), array) for name, array in arrays.items())
     return _GROUP % (attributes, repeated)
 
 
@@ -198,18 +202,23 @@ def _keys(
     return [separator.join((*start, str(index), *("0" for _ in shape[1:]))) for index in range(number)]
 
 
-def _chunks(array: NDArray[Any], shape: Sequence[int], place: Sequence[int]) -> dict[str, bytes | memoryview]:
+def _chunks(
+    array: NDArray[Any], shape: Sequence[int], place: Sequence[int], view: bool = False
+) -> dict[str, Content]:
     """Return the chunks of an array, or of one of a stack, by their keys below its own."""
-    chunks: dict[str, bytes | memoryview] = {}
+    chunks: dict[str, Content] = {}
     for number, key in enumerate(_keys(array.shape, shape, place, _SEPARATOR)):
         rows = array[number * shape[0] : (number + 1) * shape[0]] if shape else array
-        chunks[key] = _chunk(rows, shape)
+        chunks[key] = _chunk(rows, shape, view)
     return chunks
 
 
-def _chunk(rows: NDArray[Any], shape: Sequence[int]) -> memoryview:
+def _chunk(rows: NDArray[Any], shape: Sequence[int], view: bool) -> Content:
     """Return a chunk's bytes with their checksum; one that is not full is filled up, as the format says."""
     dtype = rows.dtype.newbyteorder("<")
+    if view and rows.dtype == dtype and rows.flags.c_contiguous and rows.shape == tuple(shape):
+        data = rows.reshape(-1).view(np.uint8)
+        return data.data, _crc(data)
     content = np.empty(dtype.itemsize * prod(shape) + _CRC_BYTES, np.uint8)
     data = content[:-_CRC_BYTES]
     chunk = data.view(dtype).reshape(shape)
