@@ -92,20 +92,21 @@ def line_integrals(
     for block in which:
         for receiver, table in _block(receivers, d, block, tolerance, int(np.log2(refinement))).items():
             made[receiver].append(table)
-    rows = {tuple((each.block, each.level) for each in tables): tables for tables in made.values()}
-    common = {
-        key: (np.concatenate([each.frequency for each in tables]), *np.array(key).reshape(-1, 2).T.copy())
-        for key, tables in rows.items()
-    }
+    # What receivers with the same levels have in common is the same arrays in all of them.
+    common: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
     integrals = {}
     for receiver, tables in made.items():
-        frequency, block, level = common[tuple((each.block, each.level) for each in tables)]
+        level = tuple(each.level for each in tables)
+        if level not in common:
+            frequency = np.concatenate([each.frequency for each in tables])
+            common[level] = frequency, np.array([each.block for each in tables]), np.array(level)
+        frequency, own_blocks, levels = common[level]
         integrals[receiver] = LineIntegrals(
             frequency,
             d,
             np.concatenate([each.integral for each in tables]),
-            block,
-            level,
+            own_blocks,
+            levels,
             np.array([each.error for each in tables]),
         )
     return integrals

@@ -30,14 +30,13 @@ class Parts(NamedTuple):
     own_attributes: dict[str, Any]
 
     @property
-    def all_arrays(self) -> Arrays:
-        """All its arrays."""
-        return self.arrays | self.own_arrays
+    def whole(self) -> "Parts":
+        """The same without a distinction."""
+        return Parts(self.arrays | self.own_arrays, self.attributes | self.own_attributes, {}, {})
 
-    @property
-    def all_attributes(self) -> dict[str, Any]:
-        """All its attributes."""
-        return self.attributes | self.own_attributes
+    def saying(self, **attributes: Any) -> "Parts":
+        """Return the same with further attributes of its own."""
+        return self._replace(own_attributes=self.own_attributes | attributes)
 
     @property
     def sharing(self) -> tuple[Any, ...]:

@@ -143,16 +143,20 @@ class Writer:
         self._ensured: set[str] = set()
 
     def __call__(self, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
-        """Write `result`, a frozen dataclass of arrays, as a group of its own; see `together`."""
-        parts = fields.split(result)
-        whole = fields.Parts(parts.all_arrays, parts.all_attributes, {}, {})
-        (written,) = self._write(name, {None: whole}, attributes)
+        """Write `result`, a frozen dataclass of arrays, as a group of its own, as `together` does.
+
+        Raises
+        ------
+        ValueError
+            Also if an array does not have the dimensions that its field declares.
+        """
+        (written,) = self.together(name, {None: fields.split(result)}, attributes)
         return written
 
     def together(
-        self, name: str, results: Mapping[str, tuple[Any, Mapping[str, Any]]], attributes: Mapping[str, Any]
+        self, name: str, results: Mapping[str | None, fields.Parts], attributes: Mapping[str, Any]
     ) -> list[Written]:
-        """Write results that have all in common but what is their own as one group; `sharing` finds them.
+        """Write results that agree in `sharing` as one group.
 
         The group is called `name` and a digest of what is in it. So writers whose results differ in the last
         digit never touch each other's, and a record names the group that it stands for.
@@ -162,26 +166,16 @@ class Writer:
         name
             What the group is called.
         results
-            By their labels the results, and what else is said of each.
+            The results by their labels; None is the label of one that is the whole group.
         attributes
             What is said of all of them.
 
         Raises
         ------
         ValueError
-            If an array does not have the dimensions that its field declares, an attribute cannot be
-            stored, or results differ in what is not their own.
+            If an attribute cannot be stored, or results differ in what is not their own.
         """
-        members: dict[str | None, fields.Parts] = {}
-        for label, (result, said) in results.items():
-            parts = fields.split(result)
-            members[label] = parts._replace(own_attributes=parts.own_attributes | dict(said))
-        return self._write(name, members, attributes)
-
-    def _write(
-        self, name: str, members: Mapping[str | None, fields.Parts], attributes: Mapping[str, Any]
-    ) -> list[Written]:
-        """Write a group of results by their labels; None is the label of one that is the whole group."""
+        members = {label: parts if label is not None else parts.whole for label, parts in results.items()}
         first, *others = members.values()
         if any(each.sharing != first.sharing for each in others):
             raise ValueError(f"{name}: results of one group differ in what is not their own")
@@ -204,8 +198,8 @@ class Writer:
                 arrays=group.checksums | group.own_checksums.get(label, {}),
                 metadata=digest,
                 group_metadata=hashlib.sha256(head).hexdigest(),
-                attributes={**attributes, **parts.all_attributes},
-                values={each: array for each, (array, _) in parts.all_arrays.items()},
+                attributes={**attributes, **parts.whole.attributes},
+                values={each: array for each, (array, _) in parts.whole.arrays.items()},
                 bytes_written=size // len(members) + (number < size % len(members)),
             )
             for number, (label, parts) in enumerate(members.items())
@@ -259,14 +253,6 @@ def _above(key: str) -> list[str]:
     """Return the keys of the groups above one, the root first."""
     parts = key.split("/")[:-1]
     return ["/".join(parts[:number]) for number in range(1, len(parts) + 1)]
-
-
-def sharing(results: Mapping[Any, Any]) -> list[list[Any]]:
-    """Return the keys of results that have all arrays in common but their own, list by list."""
-    together: dict[Any, list[Any]] = {}
-    for key, result in results.items():
-        together.setdefault(fields.split(result).sharing, []).append(key)
-    return list(together.values())
 
 
 def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:

@@ -12,7 +12,7 @@ import socket
 import time
 import traceback
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -21,7 +21,7 @@ from typing import Any, Literal
 import railvib
 from railvib import cost
 from railvib.errors import PlausibilityWarning
-from sweep import records, space, store
+from sweep import fields, records, space, store
 from sweep.cache import CACHE_BYTES, Cache, Latest
 from sweep.host import host_class
 from sweep.kinds import AccuracyWarning, Kind, Unit, registry
@@ -270,21 +270,18 @@ def _hold(unit: Unit, place: Place, result: Any) -> None:
     _cache.put((place.directory, unit.id), result)
 
 
-def _groups(batch: Mapping[Unit, Any], kinds: Mapping[str, Kind]) -> Iterator[dict[Unit, Any]]:
-    """Part a batch into the results of one kind that are stored as one group."""
-    several: dict[str, dict[Unit, Any]] = {}
+def _groups(batch: Mapping[Unit, Any], kinds: Mapping[str, Kind]) -> list[dict[Unit, fields.Parts]]:
+    """Part a batch into results of one kind that are stored as one group."""
+    groups: dict[Hashable, dict[Unit, fields.Parts]] = {}
     for unit, result in batch.items():
-        if kinds[unit.kind].label(unit.inputs) is None:
-            yield {unit: result}
-        else:
-            several.setdefault(unit.kind, {})[unit] = result
-    for results in several.values():
-        for units in store.sharing(results):
-            yield {unit: results[unit] for unit in units}
+        parts = fields.split(result)
+        alone = kinds[unit.kind].label(unit.inputs) is None
+        groups.setdefault(unit if alone else (unit.kind, parts.sharing), {})[unit] = parts
+    return list(groups.values())
 
 
 def _store(
-    group: Mapping[Unit, Any],
+    group: Mapping[Unit, fields.Parts],
     kind: Kind,
     shares: Mapping[Unit, list[dict[str, Any]]],
     cautions: list[str],
@@ -297,15 +294,8 @@ def _store(
     first = next(iter(group))
     name = f"{first.kind}/{first.id}"
     said = {"kind": first.kind, "model_version": railvib.MODEL_VERSION}
-    labelled = {
-        label: (result, {"unit_id": unit.id})
-        for unit, result in group.items()
-        if (label := kind.label(unit.inputs)) is not None
-    }
-    if labelled:
-        made = writer.together(name, labelled, said)
-    else:
-        made = [writer(name, group[first], {**said, "unit_id": first.id})]
+    results = {kind.label(unit.inputs): parts.saying(unit_id=unit.id) for unit, parts in group.items()}
+    made = writer.together(name, results, said)
     wall_s = (time.perf_counter() - wall) / len(group)
     cpu_s = (time.process_time() - cpu) / len(group)
     spent = vars(cost.StageCost("store", wall_s, cpu_s, peak_rss_bytes=_peak()))

@@ -12,7 +12,7 @@ import zarr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sweep import compared, store, zarr_form
+from sweep import compared, fields, store, zarr_form
 from sweep.cache import Latest
 
 
@@ -188,7 +188,7 @@ def test_arrays_of_wrong_shape_are_refused(tmp_path, spectrum):
 
 def stored_together(home, *labels):
     """Store tables as one group; return what was written by label."""
-    made = {label: (TABLES[label], {"unit_id": f"id-{label}"}) for label in labels}
+    made = {label: fields.split(TABLES[label]).saying(unit_id=f"id-{label}") for label in labels}
     return dict(zip(labels, store.Writer(home).together("table/1", made, {"kind": "table"}), strict=True))
 
 
@@ -206,13 +206,15 @@ def read_member(tmp_path, request):
 
 
 def test_results_that_differ_in_what_is_their_own_lie_together():
-    assert store.sharing(TABLES) == [["8", "12.5"], ["24"], ["rail"]]
+    sharing = {label: fields.split(table).sharing for label, table in TABLES.items()}
+    assert sharing["8"] == sharing["12.5"]
+    assert len(set(sharing.values())) == 3
     longer = dataclasses.replace(TABLES["8"], transfer=np.zeros(3))
     with pytest.raises(ValueError, match="3 along frequency"):
-        store.sharing({1: longer})
+        fields.split(longer)
     for changed in ({"level": 4}, {"transfer": np.zeros(2)}):  # real numbers lie not among complex ones
         other = dataclasses.replace(TABLES["8"], **changed)
-        assert store.sharing({1: TABLES["8"], 2: other}) == [[1], [2]]
+        assert fields.split(other).sharing != sharing["8"]
 
 
 @pytest.mark.parametrize("chunk_bytes", [20, store.CHUNK_BYTES])
@@ -307,7 +309,7 @@ def test_a_record_that_names_another_result_is_damage(tmp_path, read_member):
 
 def test_results_that_differ_in_other_things_are_refused(tmp_path):
     for other in (TABLES["24"], TABLES["rail"], dataclasses.replace(TABLES["8"], level=4)):
-        named = {"one": (TABLES["8"], {}), "other": (other, {})}
+        named = {"one": fields.split(TABLES["8"]), "other": fields.split(other)}
         with pytest.raises(ValueError, match="differ in what is not their own"):
             store.Writer(tmp_path).together("table/1", named, {})
     assert list(tmp_path.iterdir()) == []
