@@ -117,6 +117,7 @@ def measure() -> Rates:
     """Run the pilot's tasks in this process, and return the rates."""
     import sweep.preloaded  # noqa: F401 - what a worker has loaded
 
+    compiling.load(units.__name__)  # a process that serves runs of other kinds may have been forked
     idle = _resident()
     began = time.process_time()
     samples: dict[str, list[_Sample]] = {}

@@ -1,7 +1,6 @@
 """Imported by the process from which workers are forked, see `sweep.prefork`: what every worker needs."""
 
 import gc
-import importlib
 import os
 from contextlib import suppress
 
@@ -11,12 +10,13 @@ import distributed.nanny  # noqa: E402
 import distributed.worker  # noqa: E402
 
 import sweep.task  # noqa: E402
+from sweep import compiling  # noqa: E402
 from sweep.prefork import KINDS  # noqa: E402
 
 __all__ = ["distributed", "sweep"]
 
 with suppress(Exception):  # whatever is wrong will be wrong in the first task as well, and be told there
-    importlib.import_module(os.environ[KINDS]).warm_up()
+    compiling.load(os.environ[KINDS])
 
 gc.freeze()  # nor do workers look there, who would copy the memory that they share by doing so
 gc.enable()

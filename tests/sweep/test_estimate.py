@@ -1,12 +1,16 @@
 """What the plan says beforehand, against what runs take; and what it refuses."""
 
+import json
+import os
 import re
+import subprocess
+import sys
 import tomllib
 
 import pytest
 
 from railvib.errors import InputError
-from sweep import estimate, pilot, records, study, work
+from sweep import estimate, pilot, prefork, records, study, units, work
 from sweep.run import prepare
 from tests.sweep.small import STUDY, invoke
 
@@ -40,6 +44,7 @@ def request(tmp_path, **sections):
 
 @pytest.fixture(scope="module")
 def rates():
+    units.warm_up_train_average()  # a plan tells what work takes, not what compiling on demand does
     return pilot.rates()
 
 
@@ -105,6 +110,19 @@ def test_more_receivers_than_are_held_at_once_take_no_more_memory(rates, tmp_pat
     )
     assert many.peak_memory_bytes == pytest.approx(few.peak_memory_bytes, rel=0.02)
     assert many.bytes > 2.0 * few.bytes
+
+
+@pytest.mark.slow
+def test_a_worker_without_work_has_its_kernels_whoever_forks_it():
+    """Runs of other kinds in the process that measured had once left the kernels out."""
+
+    def idle(kinds):
+        environment = {**os.environ, **prefork.THREADS, prefork.KINDS: kinds}
+        command = [sys.executable, "-m", "sweep.pilot", "pilot"]
+        measured = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True)
+        return json.loads(measured.stdout)["idle_bytes"]
+
+    assert idle("tests.sweep.toy") == pytest.approx(idle("sweep.units"), rel=0.1)
 
 
 def test_rates_are_found_from_samples():
