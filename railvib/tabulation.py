@@ -29,9 +29,7 @@ TIGHTEST, LOOSEST = 1e-6, 1e-2
 _MOST_HALVINGS = 12
 _CHECKS = 5
 VALUES_AT_ONCE = 32
-"""Receivers whose values are computed together, and held until their tables are made."""
-_AT_ONCE = 8
-"""Receivers whose tables are handed on together."""
+"""Receivers whose values are computed together; their tables of one level are handed on together."""
 
 
 def largest_wavenumber(track: Track, refinement: int = 1) -> float:
@@ -315,7 +313,7 @@ def _resolved_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> 
 def _tables(
     samples: _Samples, receivers: list[Receiver], common: _Common, refinement: int
 ) -> Iterator[dict[Receiver, TransferBlock]]:
-    """Tabulate receivers, each at the first level that passes its check, or one beyond it; some at a time."""
+    """Tabulate receivers, each at the first level that passes its check, or one beyond it; level by level."""
     fits, tolerance = samples.fits, samples.tolerance
     beyond = int(np.log2(refinement))
     passed: dict[Receiver, int] = {}
@@ -357,9 +355,6 @@ def _tables(
             nothing = halfway.nothing(receiver, direct)
             finer = square_level(table, samples.track, halfway.place, direct, nothing, tolerance)
             made[receiver] = replace(table, square_level=finer)
-            if len(made) == _AT_ONCE:
-                yield made
-                made = {}
         if made:
             yield made
         pending = waiting
