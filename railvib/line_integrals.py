@@ -170,8 +170,8 @@ def _at_level(
         for members, _block, _all in same_nodes(receivers, f):
             value = np.empty((len(members), f.size, receivers[members[0]].blocks[block].transfer.shape[1]))
             for out, each in zip(value, members, strict=True):
-                out[: ks.size] = squared_at(receivers[each], block, level, ks)
-                out[ks.size :] = squared_at(receivers[each], block, level + 1, halfway)
+                squared_at(receivers[each], block, level, ks, out[: ks.size])
+                squared_at(receivers[each], block, level + 1, halfway, out[ks.size :])
                 receivers[each].blocks[block].forget_reduced()
             edge = receivers[members[0]].blocks[block].nodes.panel_edges(f)
             integral |= zip(members, _integrals(edge, value, distance), strict=True)

@@ -163,23 +163,22 @@ def _panels(edge: np.ndarray, value: np.ndarray) -> np.ndarray:
     return np.asarray(share.shape[1] - needed[:, ::-1].argmax(axis=1))
 
 
-def squared_at(function: TransferFunction, block: int, level: int, ks: np.ndarray) -> np.ndarray:
+def squared_at(
+    function: TransferFunction, block: int, level: int, ks: np.ndarray, out: np.ndarray | None = None
+) -> np.ndarray:
     """Return |H̃|² at some frequencies of a level, from the table's own on, (ks, node).
 
-    At the table's own frequencies as it has it, and between them as it interpolates it.
+    At the table's own frequencies as it has it, and between them as it interpolates it. Written to `out` if
+    that is given.
     """
     table = function.blocks[block]
+    value = np.empty((ks.size, table.transfer.shape[1])) if out is None else out
     step = 2 ** (level - table.level)
     there = ks % step == 0
     rows = ks[there] // step - blocks.indices(block, table.level)[0]
-    # Rows that follow one another need no copy.
-    follow = rows.size > 0 and rows[-1] - rows[0] == rows.size - 1
-    own = _square(table.transfer[rows[0] : rows[-1] + 1] if follow else table.transfer[rows])
-    if there.all():
-        return own
-    value = np.empty((ks.size, own.shape[1]))
-    value[there] = own
-    value[~there] = _evaluated(table, function.track, blocks.frequency(level, ks[~there]))
+    _squares(_floats(table.transfer), rows, np.flatnonzero(there), value)
+    if not there.all():
+        value[~there] = _evaluated(table, function.track, blocks.frequency(level, ks[~there]))
     return value
 
 
@@ -188,8 +187,9 @@ def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray)
     edge = table.nodes.panel_edges(frequency)
     omega = 2.0 * np.pi * frequency
     first, weight = blocks.stencils(table.block, table.level, frequency)
-    value = np.ones((frequency.size, table.transfer.shape[1]))
-    if track is not None and table.compliance is not None:
+    if track is None or table.compliance is None:
+        value = np.ones((frequency.size, table.transfer.shape[1]))
+    else:
         key = id(table.compliance), track, frequency.tobytes()
         own = table.receiver == "rail" or table.offset == 0.0
         if own or key not in _forces:
@@ -199,7 +199,7 @@ def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray)
                 return np.asarray(rail if table.receiver == "rail" else centre)
             _forces[key] = force.copy()
             finalize(table.compliance, _forces.pop, key, None)
-        value[:] = _forces[key]
+        value = _forces[key].copy()
     _times_squares(
         first,
         weight,
@@ -219,13 +219,24 @@ _forces: dict[tuple[int, Track, bytes], np.ndarray] = {}
 
 
 def _square(value: np.ndarray) -> np.ndarray:
-    squares = np.square(value.real)
-    squares += np.square(value.imag)
-    return np.asarray(squares)
+    """Return |values|² of an array of two dimensions."""
+    squares = np.empty(value.shape)
+    rows = np.arange(len(value))
+    _squares(_floats(value), rows, rows, squares)
+    return squares
 
 
 def _floats(table: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(table, complex).view(float)
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _squares(value, rows, places, out):
+    """Write |rows|² of values, real and imaginary parts in turn, to rows of others."""
+    for i in range(rows.shape[0]):
+        row = value[rows[i]]
+        for j in range(out.shape[1]):
+            out[places[i], j] = row[2 * j] * row[2 * j] + row[2 * j + 1] * row[2 * j + 1]
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})

@@ -20,7 +20,7 @@ from railvib.panels import nodes_between, unresolved
 from railvib.quadrature import strip_compliance_by_quadrature
 from railvib.squared import square_level
 from railvib.strip import strip_compliances
-from railvib.track import Track, track_response
+from railvib.track import Track, times_force, track_response
 from railvib.transfer import TOP, Nodes, Receiver, TransferBlock
 
 MOST_LEVELS = 6
@@ -164,9 +164,7 @@ class Evaluation:
             spent.kernel_calls += 1
             values = np.empty((1 + self.offsets.size, beta.size), complex)
             values[0] = rail
-            values[1:].real = real
-            values[1:].imag = imag
-            values[1:] *= force
+            times_force(real, imag, force.view(float), values[1:].view(float))
         return values
 
 

@@ -216,6 +216,15 @@ def load(n, q, bed, support, pad, rail):
         q[3 * LANES + i] = force.imag
 
 
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def times_force(real, imag, force, out):
+    """Write the ground's compliances, (n, m), times the force on it, with real and imaginary parts in turn."""
+    for i in range(real.shape[0]):
+        for j in range(real.shape[1]):
+            out[i, 2 * j] = real[i, j] * force[2 * j] - imag[i, j] * force[2 * j + 1]
+            out[i, 2 * j + 1] = real[i, j] * force[2 * j + 1] + imag[i, j] * force[2 * j]
+
+
 @numba.njit(forceinline=True, error_model="numpy")
 def _sign(x):
     return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else 0.0)

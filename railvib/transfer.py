@@ -132,14 +132,16 @@ class TransferBlock:
         kept with the table, which many cases share.
         """
         if track not in self._reduced:
-            value = self.transfer * _inverse_force(self, track)
+            value = np.empty(self.transfer.shape, complex)
             _times_waves(
-                value.view(float),
+                np.ascontiguousarray(self.transfer).view(float),
+                np.ascontiguousarray(_inverse_force(self, track)).view(float),
                 2.0 * np.pi * self.frequency,
                 self.node_slowness,
                 np.ascontiguousarray(self.wavenumber),
                 self.distance,
                 -1.0,
+                value.view(float),
             )
             self._reduced[track] = value
         return self._reduced[track]
@@ -242,19 +244,21 @@ def _panel_edges(nodes: Nodes, frequency: bytes) -> np.ndarray:
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _times_waves(value, omega, slowness, beta, distance, sign):
-    """Multiply by the waves' decay, or divide by it where the sign is −1.
+def _times_waves(value, factor, omega, slowness, beta, distance, sign, out):
+    """Write values times a factor times the waves' decay, or over that where the sign is −1.
 
-    `value` has real and imaginary parts in turn, (n, 2·m).
+    Values have real and imaginary parts in turn, (n, 2·m), and so has the factor, in one row for all or in
+    as many.
     """
     wave = np.empty((2, beta.shape[1]))
     for i in range(beta.shape[0]):
         undamped(omega[i], slowness, beta[i], distance, sign, wave[0], wave[1])
+        own = factor[min(i, factor.shape[0] - 1)]
         for j in range(beta.shape[1]):
-            a = value[i, 2 * j]
-            b = value[i, 2 * j + 1]
-            value[i, 2 * j] = a * wave[0, j] - b * wave[1, j]
-            value[i, 2 * j + 1] = a * wave[1, j] + b * wave[0, j]
+            a = value[i, 2 * j] * own[2 * j] - value[i, 2 * j + 1] * own[2 * j + 1]
+            b = value[i, 2 * j] * own[2 * j + 1] + value[i, 2 * j + 1] * own[2 * j]
+            out[i, 2 * j] = a * wave[0, j] - b * wave[1, j]
+            out[i, 2 * j + 1] = a * wave[1, j] + b * wave[0, j]
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
@@ -334,7 +338,7 @@ _inverse_forces: dict[tuple[int, Track], np.ndarray] = {}
 def _inverse_force(table: TransferBlock, track: Track | None) -> np.ndarray:
     """Return the force on the rail per force on the ground, 1 where the track is not put on the table."""
     if track is None or table.compliance is None:
-        return np.ones(1, complex)
+        return np.ones((1, table.transfer.shape[1]), complex)
     key = id(table.compliance), track
     if key not in _inverse_forces:
         omega = 2.0 * np.pi * table.frequency[:, None]
@@ -404,7 +408,9 @@ class TransferFunction:
         def carried(rows: np.ndarray) -> np.ndarray:
             value = between(rows)
             omega = 2.0 * np.pi * frequency
-            _times_waves(value.view(float), omega, table.node_slowness, beta, table.distance, 1.0)
+            one = np.ones((1, beta.shape[1]), complex).view(float)
+            found = value.view(float)
+            _times_waves(found, one, omega, table.node_slowness, beta, table.distance, 1.0, found)
             return value
 
         return beta, _loaded(table, self.track, frequency, beta, between, carried)
