@@ -218,7 +218,7 @@ def load(n, q, bed, support, pad, rail):
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def times_force(real, imag, force, out):
-    """Write the ground's compliances, (n, m), times the force on it, with real and imaginary parts in turn."""
+    """Write compliances of the ground, (n, m), times the force on it, real and imaginary parts in turn."""
     for i in range(real.shape[0]):
         for j in range(real.shape[1]):
             out[i, 2 * j] = real[i, j] * force[2 * j] - imag[i, j] * force[2 * j + 1]
