@@ -201,5 +201,7 @@ def _extremes(
 
 def _decibels(ratio: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return ten times the decimal logarithm, as the database's macro: NaN unless positive and finite."""
-    level = np.full(ratio.shape, np.nan)
-    return 10.0 * np.log10(ratio, out=level, where=np.isfinite(ratio) & (ratio > 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        level = 10.0 * np.log10(ratio)
+    level[~np.isfinite(level)] = np.nan
+    return level

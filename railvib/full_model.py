@@ -83,7 +83,7 @@ def passage_spectra(
                         level: blocks.stencils(block, level, frequency[lines])
                         for level in {each.level for each in tables}
                     }
-                    panels = [each.panels_at(stencils[each.level][0]) for each in tables]
+                    panels = [each.panels[stencils[each.level][0]] for each in tables]
                     weight = weights.at(shared, lines, np.max(panels, axis=0)).reshape(lines.size, -1)
                     for receiver, each, needed in zip(members, tables, panels, strict=True):
                         psd[receiver][lines] = _sums(*stencils[each.level], each.value, needed, weight)

@@ -12,6 +12,7 @@ from weakref import finalize
 
 import numba
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from railvib import blocks
 from railvib.blocks import STENCIL, combine
@@ -133,11 +134,8 @@ class Squares(NamedTuple):
     value: np.ndarray
     """(row, node), m⁴/N²."""
     panels: np.ndarray
-    """How many panels from β = 0 on hold all of ∫ |H̃|² dβ but a negligible share, (row,)."""
-
-    def panels_at(self, first: np.ndarray) -> np.ndarray:
-        """Return how many panels are needed at lines whose stencils begin at some rows, (lines,)."""
-        return np.asarray(self.panels[first[:, None] + np.arange(STENCIL)].max(axis=1))
+    """How many panels from β = 0 on hold all of ∫ |H̃|² dβ but a negligible share at any of the rows of a
+    stencil, by its first row."""
 
 
 def squares(function: TransferFunction, block: int) -> Squares:
@@ -157,10 +155,11 @@ def squares(function: TransferFunction, block: int) -> Squares:
 
 
 def _panels(edge: np.ndarray, value: np.ndarray) -> np.ndarray:
-    """Return how many panels hold all of ∫ |H̃|² dβ but a negligible share, (rows,)."""
+    """Return what `Squares` says of panels."""
     share = (value.reshape(len(value), -1, ORDER) @ WEIGHT) * np.diff(edge)
     needed = share >= _NEGLIGIBLE * share.sum(axis=1, keepdims=True)
-    return np.asarray(share.shape[1] - needed[:, ::-1].argmax(axis=1))
+    panels = share.shape[1] - needed[:, ::-1].argmax(axis=1)
+    return np.asarray(sliding_window_view(panels, STENCIL).max(axis=1))
 
 
 def squared_at(

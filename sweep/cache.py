@@ -4,11 +4,11 @@ Only results in use are measured again and again: all others cannot grow.
 """
 
 import sys
-from collections import Counter, OrderedDict
+from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -38,11 +38,8 @@ class Latest(dict[Key, Value]):
             del self[next(iter(self))]
 
 
-class _Sized(NamedTuple):
-    """An array by its address, and its size."""
-
-    address: int
-    nbytes: int
+_Sized = tuple[int, int]
+"""An array by its address, and its size in bytes."""
 
 
 @dataclass
@@ -77,7 +74,7 @@ class Cache:
         self._used: set[tuple[str, str]] = set()
         # An array that was derived and is gone counts until its result is measured: what has taken its
         # place in memory must not pass for it, unless it is as large.
-        self._holders: Counter[_Sized] = Counter()
+        self._holders: dict[_Sized, int] = {}
 
     def get(self, key: tuple[str, str]) -> Any:
         """Return a result, or None where it is not held."""
@@ -128,17 +125,20 @@ class Cache:
     def _take(self, arrays: Iterable[_Sized]) -> None:
         """Count arrays that one more result holds."""
         for array in arrays:
-            self._holders[array] += 1
-            if self._holders[array] == 1:
-                self._held += array.nbytes
+            holders = self._holders.get(array, 0) + 1
+            self._holders[array] = holders
+            if holders == 1:
+                self._held += array[1]
 
     def _release(self, arrays: Iterable[_Sized]) -> None:
         """Count arrays that one result less holds."""
         for array in arrays:
-            self._holders[array] -= 1
-            if self._holders[array] == 0:
+            holders = self._holders[array] - 1
+            if holders:
+                self._holders[array] = holders
+            else:
                 del self._holders[array]
-                self._held -= array.nbytes
+                self._held -= array[1]
 
 
 def _field_count(result: Any) -> int:
@@ -151,7 +151,7 @@ def _sized(values: Iterable[Any]) -> list[_Sized]:
     found: list[_Sized] = []
     for each in values:
         if isinstance(each, np.ndarray):
-            found.append(_Sized(id(each), each.nbytes))
+            found.append((id(each), each.nbytes))
         elif isinstance(each, dict):
             found += _sized(each.values())
         elif isinstance(each, tuple) and each and not isinstance(each[0], float):
