@@ -35,17 +35,18 @@ _SPEEDS_KMH = (80.0, 232.0)
 def measure(size: Size) -> Iterator[Figure]:
     """Yield total and computing seconds and memory at every value of every axis, and their slopes."""
     yield from _wavenumbers(size)
-    with tempfile.TemporaryDirectory() as folder:  # whatever is to be compiled, is now
-        run(size, "speeds", 1, Path(folder) / "first")
-    for axis, values in size.growth.items():
-        if axis == "wavenumbers":
-            continue
-        with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder:
+        home = Path(folder)
+        run(size, "speeds", 1, home / "first")  # whatever is to be compiled, is now
+        for axis, values in size.growth.items():
+            if axis == "wavenumbers":
+                continue
             runs: list[list[Ran]] = [[] for _ in values]
             for turn in range(size.rounds if axis in RATIOS else min(size.rounds, _SLOPE_ROUNDS)):
                 for i, value in enumerate(values):
                     if turn == 0 or i in (0, len(values) - 1):
-                        runs[i].append(run(size, axis, value, Path(folder) / f"{i}-{turn}"))
+                        runs[i].append(run(size, axis, value, home / f"{axis}-{i}-{turn}"))
+                        studies.empty(runs[i][-1].directory)
             yield from _figures(axis, values, runs)
             if axis == "speeds":
                 yield from _marginal(size, values, runs)

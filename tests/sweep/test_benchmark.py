@@ -161,6 +161,10 @@ def test_a_run_is_measured_with_its_growth(tmp_path):
     assert {"transfer: fit", "transfer: transfer functions", "spectra: store"} <= ran.stages.keys()
     assert set(ran.approaches) == {"moving-roughness", "moving-roughness-uncorrelated", "full"}
     assert sum(ran.approaches.values()) > ran.computing_s  # what they share is charged to each
+    files = [path for path in ran.directory.rglob("*") if path.is_file()]
+    assert min(path.stat().st_size for path in files) > 0
+    studies.empty(ran.directory)
+    assert max(path.stat().st_size for path in files) == 0
 
 
 def test_a_ratio_is_the_median_of_those_of_runs_in_turn(monkeypatch):
@@ -168,8 +172,12 @@ def test_a_ratio_is_the_median_of_those_of_runs_in_turn(monkeypatch):
     order = []
 
     def ran(size, axis, value, directory):
-        turn = sum(each == (axis, value, directory.parent) for each in order)
-        order.append((axis, value, directory.parent))
+        earlier = [path for path in directory.parent.glob("*/result") if path.parent.name != "first"]
+        assert [path.stat().st_size for path in earlier] == [0] * len(order[1:])  # emptied, not removed
+        directory.mkdir()
+        (directory / "result").write_bytes(b"much")
+        turn = order[1:].count((axis, value))
+        order.append((axis, value))
         spent = (1.0 + turn) * (4.0 + value)
         return studies.Ran(directory, 1.0, spent, 0.5, 1, {"spectra: bands": 1.0}, {"full": spent})
 
@@ -177,7 +185,7 @@ def test_a_ratio_is_the_median_of_those_of_runs_in_turn(monkeypatch):
     axes = {"speeds": (1, 2, 4), "soils": (1, 2), "wavenumbers": (2, 4)}
     size = replace(sizes.QUICK, growth=axes, rounds=3)
     found = {(each.item, each.case, each.quantity): each for each in growth.measure(size)}
-    assert [value for _, value, _ in order[1:]] == [1, 2, 4, 1, 4, 1, 4, 1, 2, 1, 2, 1, 2]
+    assert [value for _, value in order[1:]] == [1, 2, 4, 1, 4, 1, 4, 1, 2, 1, 2, 1, 2]
     ratio = found["total", "speeds", "4 speeds over 1, cpu"]
     assert ratio.samples == (1.6, 1.6, 1.6)
     assert (ratio.at_most, ratio.holds) == (2.5, True)
