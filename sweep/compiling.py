@@ -15,6 +15,7 @@ from importlib import metadata, resources
 from pathlib import Path
 
 from railvib.flexibility import surface_flexibility
+from sweep import prefork
 from sweep.host import host_class
 
 LOCK = "compiling.lock"
@@ -29,12 +30,12 @@ def cache_folder() -> Path:
 def load(kinds: str) -> None:
     """Load the kernels of a module's kinds; a process forked for it compiles what may not be compiled yet.
 
-    To be called where no other thread runs. Where the forked process fails, and on Windows, which has none,
-    kernels are compiled here.
+    To be called where no other thread runs. Where the forked process fails, and where forking is not to be
+    had, kernels are compiled here.
     """
     module = importlib.import_module(kinds)
     done = Path(str(surface_flexibility.stats.cache_path)) / f"{_state(kinds)}.compiled"
-    if sys.platform != "win32" and not done.exists():
+    if prefork.POSSIBLE and not done.exists():
         with alone(), suppress(OSError):  # a cache that cannot be written is none
             if not done.exists() and _succeeds_apart(module.warm_up):
                 done.parent.mkdir(parents=True, exist_ok=True)
