@@ -7,6 +7,7 @@ edges or its frequencies, so blocks are shared.
 """
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 import numba
 import numpy as np
@@ -72,7 +73,16 @@ def stencils(block: int, level: int, f: np.ndarray) -> tuple[np.ndarray, np.ndar
         First of the nearest rows.
     weight : ndarray, shape (n, STENCIL)
         Lagrange weights of these rows.
+
+    Neither is to be written to.
     """
+    return _stencils_at(block, level, np.asarray(f, float).tobytes())
+
+
+@lru_cache(256)
+def _stencils_at(block: int, level: int, frequency: bytes) -> tuple[np.ndarray, np.ndarray]:
+    """Return stencils of frequencies given by their bytes: many receivers ask for the same in turn."""
+    f = np.frombuffer(frequency)
     first = np.empty(f.size, np.int64)
     weight = np.empty((f.size, STENCIL))
     _stencils(position(block, level, f), STEPS * 2**level + 2 * HALO + 1, first, weight)
@@ -158,15 +168,25 @@ def across(which: np.ndarray, levels: np.ndarray, f: np.ndarray, table: np.ndarr
     -------
     ndarray, shape (n, m)
     """
-    value = np.empty((f.size, table.shape[1]), table.dtype)
+    return combined(*_across_at(tuple(which.tolist()), tuple(levels.tolist()), f.tobytes()), table)
+
+
+@lru_cache(16)
+def _across_at(
+    which: tuple[int, ...], levels: tuple[int, ...], frequency: bytes
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return stencils among the rows of blocks that follow one another, as `stencils` does in one."""
+    f = np.frombuffer(frequency)
     own = assigned(f, which)
+    first = np.empty(f.size, np.int64)
+    weight = np.empty((f.size, STENCIL))
     start = 0
-    for block, level in zip(which.tolist(), levels.tolist(), strict=True):
-        end = start + indices(block, level).size
+    for block, level in zip(which, levels, strict=True):
         here = own == block
-        value[here] = interpolated(block, level, f[here], table[start:end])
-        start = end
-    return value
+        nearest, weight[here] = stencils(block, level, f[here])
+        first[here] = start + nearest
+        start += indices(block, level).size
+    return first, weight
 
 
 def covering(lower: float, upper: float) -> range:
