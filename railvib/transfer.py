@@ -135,7 +135,7 @@ class TransferBlock:
             value = np.empty(self.transfer.shape, complex)
             _times_waves(
                 np.ascontiguousarray(self.transfer).view(float),
-                np.ascontiguousarray(_inverse_force(self, track)).view(float),
+                _inverse_force(self, track).view(float),
                 2.0 * np.pi * self.frequency,
                 self.node_slowness,
                 np.ascontiguousarray(self.wavenumber),

@@ -4,7 +4,6 @@ Two that write it at once can crash, and a process that has compiled all kernels
 megabytes that one that loads them never takes.
 """
 
-import hashlib
 import importlib
 import multiprocessing
 import os
@@ -15,7 +14,7 @@ from importlib import metadata, resources
 from pathlib import Path
 
 from railvib.flexibility import surface_flexibility
-from sweep import prefork
+from sweep import identity, prefork
 from sweep.host import host_class
 
 LOCK = "compiling.lock"
@@ -60,13 +59,16 @@ def _succeeds_apart(warm_up: Callable[[], None]) -> bool:
 
 def _state(kinds: str) -> str:
     """Return the digest of all that makes Numba compile anew."""
-    digest = hashlib.sha256()
-    for text in (kinds, sys.version, host_class(), *map(metadata.version, _COMPILERS)):
-        digest.update(text.encode() + b"\0")
-    for file in sorted(Path(str(resources.files("railvib"))).glob("*.py")):
-        found = file.stat()
-        digest.update(f"{file} {found.st_size} {found.st_mtime_ns}\0".encode())
-    return digest.hexdigest()[:32]
+    files = sorted(Path(str(resources.files("railvib"))).glob("*.py"))
+    return identity.digest(
+        {
+            "kinds": kinds,
+            "python": sys.version,
+            "host_class": host_class(),
+            "compilers": list(map(metadata.version, _COMPILERS)),
+            "sources": [f"{file} {file.stat().st_size} {file.stat().st_mtime_ns}" for file in files],
+        }
+    )
 
 
 @contextmanager
