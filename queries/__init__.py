@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas
 
-    from queries.publisher import Publisher
+    from queries.database.publisher import Publisher
 
 
 class Results:
     """Published results, for a notebook; every answer is a pandas DataFrame."""
 
     def __init__(self, named: Path | str) -> None:
-        from queries import database
+        from queries.database import connection
 
-        self._connection = database.connect(named)
+        self._connection = connection.connect(named)
 
     def __enter__(self) -> "Results":
         """Return itself; leaving the block lets go of the database."""
@@ -26,14 +26,14 @@ class Results:
 
     def sql(self, statement: str, parameters: tuple[Any, ...] = ()) -> "pandas.DataFrame":
         """Return the answer to one statement that reads."""
-        from queries.sql import query
+        from queries.answers.sql import query
 
         return query(self._connection, statement, parameters).fetchdf()
 
     def ask(self, name: str, folder: Path | str | None = None, **parameters: Any) -> "pandas.DataFrame":
         """Return the answer to a question that has a name, see `railvib queries`."""
-        from queries.questions import question
-        from queries.sql import query
+        from queries.answers.questions import question
+        from queries.answers.sql import query
 
         asked = question(name, None if folder is None else Path(folder))
         values = asked.values({key: str(value) for key, value in parameters.items()})
@@ -74,7 +74,7 @@ def open(named: Path | str) -> Results:
 
     Raises
     ------
-    queries.database.ResultsError
+    queries.database.connection.ResultsError
         If there are none.
     """
     return Results(named)
@@ -82,6 +82,6 @@ def open(named: Path | str) -> Results:
 
 def after_run(directory: Path | str) -> "Publisher":
     """Return who publishes the results of a run directory."""
-    from queries.publisher import Publisher
+    from queries.database.publisher import Publisher
 
     return Publisher(directory)

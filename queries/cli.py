@@ -28,7 +28,7 @@ def _one_line_errors(command: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(command)
     def checked(*given: Any, **named: Any) -> None:
-        from queries.database import ResultsError
+        from queries.database.connection import ResultsError
 
         try:
             command(*given, **named)
@@ -54,7 +54,7 @@ def ingest(directories: tuple[Path, ...], file: Path | None, rebuild: bool) -> N
     With --database FILE, results of earlier directories stay in it; without a DIR those it has are brought
     up to date.
     """
-    from queries.ingest import ingest as derive
+    from queries.database.ingest import ingest as derive
 
     done = derive(directories, rebuild, file)
     if done.backup is not None:
@@ -75,7 +75,7 @@ def ingest(directories: tuple[Path, ...], file: Path | None, rebuild: bool) -> N
 @_one_line_errors
 def sql(named: Path, statement: str, form: str, output: Path | None) -> None:
     """Ask RESULTS, a run directory or a database file, one question in SQL; nothing can be changed."""
-    from queries.sql import answer
+    from queries.answers.sql import answer
 
     answer(named, statement, form, output)
 
@@ -104,8 +104,9 @@ def queries(
     output: Path | None,
 ) -> None:
     """List questions that have a name, show the SQL of question NAME, or ask it of RESULTS."""
-    from queries import database, questions
-    from queries.sql import answer
+    from queries.answers import questions
+    from queries.answers.sql import answer
+    from queries.database import connection as database
 
     if name is None:
         for each in questions.questions(folder).values():
@@ -169,8 +170,9 @@ def compare(
     """
     from rich.console import Console
 
-    from queries import database, publication
-    from queries.database import ResultsError
+    from queries.database import connection as database
+    from queries.database import publication
+    from queries.database.connection import ResultsError
 
     axes = tuple(part.strip() for part in by.split(",")) if by else None
     if other is not None and approach is not None:
@@ -196,8 +198,9 @@ def compare(
 @_one_line_errors
 def figures(named: Path, form: str, output: Path | None) -> None:
     """Draw the figures of RESULTS, a run directory or a database file, for print."""
-    from queries import database, publication
-    from queries.crew import WORKERS, Crew
+    from queries.database import connection as database
+    from queries.database import publication
+    from queries.figures.crew import WORKERS, Crew
 
     publication.refresh(named)
     place = database.locate(named)
@@ -214,8 +217,9 @@ def figures(named: Path, form: str, output: Path | None) -> None:
 @_one_line_errors
 def report(named: Path, output: Path | None) -> None:
     """Write the report of RESULTS, a run directory or a database file: one page that needs no network."""
-    from queries import database, publication
-    from queries.report import write
+    from queries.database import connection as database
+    from queries.database import publication
+    from queries.report.report import write
 
     publication.refresh(named)
     with database.connect(named, bounded=True) as connection:
@@ -228,8 +232,8 @@ def report(named: Path, output: Path | None) -> None:
 @_one_line_errors
 def export(named: Path, folder: Path) -> None:
     """Write RESULTS, a run directory or a database file, as Parquet files into the new FOLDER."""
-    from queries import publication
-    from queries.export import export as write
+    from queries.answers.export import export as write
+    from queries.database import publication
 
     publication.refresh(named)
     for written in write(named, folder):

@@ -7,35 +7,36 @@ MODEL_VERSION = "4"
 """Version of the physics: enters the identity of all that is computed; grows when a number could change."""
 
 if TYPE_CHECKING:
-    from railvib.compliance import ground_green_function, line_compliance
     from railvib.errors import InputError, PlausibilityWarning
-    from railvib.flexibility import ground_flexibility
-    from railvib.flexibility_tensor import ground_flexibility_tensor
-    from railvib.ground import Ground, Layer
+    from railvib.parameters.ground import Ground, Layer
+    from railvib.parameters.track import Track, TrackLayer
+    from railvib.parameters.unevenness import Unevenness
+    from railvib.parameters.vehicle import Train, Vehicle
     from railvib.prediction import predict, rail_receptance
-    from railvib.surface_waves import critical_speed, surface_wave_speeds
-    from railvib.track import Track, TrackLayer
-    from railvib.unevenness import Unevenness
-    from railvib.vehicle import Train, Vehicle
+    from railvib.soil.compliance import ground_green_function, line_compliance
+    from railvib.soil.flexibility import ground_flexibility
+    from railvib.soil.flexibility_tensor import ground_flexibility_tensor
+    from railvib.soil.surface_waves import surface_wave_speeds
+    from railvib.transfer.critical_speed import critical_speed
 
 _HOME = {
-    "Ground": "ground",
+    "Ground": "parameters.ground",
     "InputError": "errors",
-    "Layer": "ground",
+    "Layer": "parameters.ground",
     "PlausibilityWarning": "errors",
-    "Track": "track",
-    "TrackLayer": "track",
-    "Train": "vehicle",
-    "Unevenness": "unevenness",
-    "Vehicle": "vehicle",
-    "critical_speed": "surface_waves",
-    "ground_flexibility": "flexibility",
-    "ground_flexibility_tensor": "flexibility_tensor",
-    "ground_green_function": "compliance",
-    "line_compliance": "compliance",
+    "Track": "parameters.track",
+    "TrackLayer": "parameters.track",
+    "Train": "parameters.vehicle",
+    "Unevenness": "parameters.unevenness",
+    "Vehicle": "parameters.vehicle",
+    "critical_speed": "transfer.critical_speed",
+    "ground_flexibility": "soil.flexibility",
+    "ground_flexibility_tensor": "soil.flexibility_tensor",
+    "ground_green_function": "soil.compliance",
+    "line_compliance": "soil.compliance",
     "predict": "prediction",
     "rail_receptance": "prediction",
-    "surface_wave_speeds": "surface_waves",
+    "surface_wave_speeds": "soil.surface_waves",
 }
 
 __all__ = [

@@ -6,9 +6,10 @@ from functools import lru_cache
 import numpy as np
 
 from railvib.errors import InputError, PlausibilityWarning
-from railvib.ground import Ground
-from railvib.surface_waves import critical_speed, surface_wave_speeds
-from railvib.track import Track
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
+from railvib.soil.surface_waves import surface_wave_speeds
+from railvib.transfer.critical_speed import critical_speed
 
 HIGHEST = 100.0
 """Frequency up to which waves are looked at, Hz, whatever a study asks for: a fast train excites them all."""

@@ -8,28 +8,29 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import numpy.typing as npt
 
-from railvib import bands, blocks, threads
-from railvib.cross_section import CrossSection
 from railvib.errors import InputError, PlausibilityWarning
-from railvib.forces import axle_distances
-from railvib.ground import Ground
-from railvib.line_integrals import LineIntegrals, line_integrals
-from railvib.moving_roughness import spans
-from railvib.plausibility import check_damping, check_speed
-from railvib.quasi_static import quasi_static_spectra
-from railvib.receptance import (
+from railvib.forces.receptance import (
     Receptances,
     highest_tabulated_frequency,
     receptances,
     tabulated_receptances,
 )
-from railvib.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
-from railvib.tabulation import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
-from railvib.track import Track
-from railvib.train_average import TrainIntegrals, train_integrals
-from railvib.transfer import Receiver, TransferBlock, TransferFunction
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Train
+from railvib.forces.wheel_rail import axle_distances
+from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics import third_octaves, threads
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.vehicle import Train
+from railvib.plausibility import check_damping, check_speed
+from railvib.psd.line_integrals import LineIntegrals, line_integrals
+from railvib.psd.moving_roughness import spans
+from railvib.psd.quasi_static import quasi_static_spectra
+from railvib.psd.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
+from railvib.psd.train_average import TrainIntegrals, train_integrals
+from railvib.transfer.table import Receiver, TransferBlock, TransferFunction
+from railvib.transfer.tabulate import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
 
 if TYPE_CHECKING:
     import xarray
@@ -133,7 +134,7 @@ def predict(
     rail
         Whether the rail is a receiver too.
     approaches
-        Which approaches; see `railvib.spectra.APPROACHES`.
+        Which approaches; see `railvib.psd.spectra.APPROACHES`.
     averaging
         Moving roughness averaged over the whole line, as a full pass-by sees it, or over the length of the
         train (Eq. 26).
@@ -163,10 +164,10 @@ def predict(
     _check_tolerance(tolerance)
     check_damping(ground)
     check_speed(ground, track, speed)
-    midband = bands.midbands(minimum_frequency, maximum_frequency)
+    midband = third_octaves.midbands(minimum_frequency, maximum_frequency)
     receivers: list[Receiver] = ["rail", *asked] if rail else [*asked]
     highest = highest_excitation(midband, largest_wavenumber(track, refinement), speed, refinement)
-    lower, upper = bands.edges(midband)
+    lower, upper = third_octaves.edges(midband)
     covering = blocks.covering(float(lower[0]), float(upper[-1]))
     moving = "full" in approaches
     tables: dict[Receiver, list[TransferBlock]] = {"rail": [], **{each: [] for each in asked}}
@@ -252,7 +253,7 @@ def _fe_be_functions(
     refinement: int,
 ) -> dict[Receiver, TransferFunction]:
     """Return the transfer functions by finite and boundary elements."""
-    from railvib.fe_be import fe_be_blocks  # brings a finite-element library
+    from railvib.fe_be.model import fe_be_blocks  # brings a finite-element library
 
     made = [
         fe_be_blocks(ground, track, section, block, receivers, tolerance, refinement) for block in covering

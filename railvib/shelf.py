@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.table import Table
 
 from railvib import library as shelves
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Train, Vehicle
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.vehicle import Train, Vehicle
 
 UNITS = {
     "bending_stiffness_n_m2": "N·m²",

@@ -12,11 +12,11 @@ import sys
 import numpy as np
 
 from railvib import library
-from railvib.cross_section import CrossSection
-from railvib.fe_be import fe_be_response
-from railvib.ground import Ground
-from railvib.panels import WEIGHT, nodes_between
-from railvib.track import Track
+from railvib.fe_be.model import fe_be_response
+from railvib.numerics.wavenumber_panels import WEIGHT, nodes_between
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
 
 FREQUENCIES = (2.0, 5.0, 10.0, 16.0, 20.0, 31.5, 40.0, 63.0, 80.0, 100.0)
 OFFSETS = (8.0, 32.0)

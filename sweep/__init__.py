@@ -9,6 +9,6 @@ def __getattr__(name: str) -> Any:
     """Import `open_grid` when it is first used: xarray takes longer to load than all commands need."""
     if name != "open_grid":
         raise AttributeError(f"module 'sweep' has no attribute {name!r}")
-    from sweep.grid import open_grid
+    from sweep.storage.grid import open_grid
 
     return open_grid

@@ -18,11 +18,11 @@ import click
 from railvib.errors import InputError, PlausibilityWarning
 
 if TYPE_CHECKING:
-    from sweep.estimate import Estimate
-    from sweep.launch import Launch
-    from sweep.pilot import Rates
+    from sweep.forecast.estimate import Estimate
+    from sweep.forecast.pilot import Rates
     from sweep.run import Request
     from sweep.study import Resolved
+    from sweep.workers.launch import Launch
 
 AFTER_RUN = "railvib.after_run"
 """Group of entry points that publish results: called with a run directory each gives a `Publisher`."""
@@ -86,9 +86,9 @@ def plan(study: Path, out: Path | None, store: str | None) -> None:
     Processor time and memory are those of this machine, by a pilot of a few seconds, which is remembered. A
     study that cannot fit is refused.
     """
-    from sweep import estimate
-    from sweep.launch import Launch
+    from sweep.forecast import estimate
     from sweep.run import prepare
+    from sweep.workers.launch import Launch
 
     resolved = _load(study)
     directory = out or _default_directory(resolved)
@@ -152,7 +152,7 @@ def status(directory: Path, verify: bool) -> None:
 def _faults(directory: Path) -> list[str]:
     """Return what is damaged of all that the latest run in a directory rests on, in a line each."""
     from sweep.run import prepare
-    from sweep.verify import damaged
+    from sweep.storage.verify import damaged
 
     needed = prepare(_latest(directory), directory).plan.units.values()
     found = [str(each) for each in damaged(directory, needed)]
@@ -174,8 +174,8 @@ def _collecting_later() -> Iterator[None]:
 
 def _launch(launch: Mapping[str, Any], directory: Path) -> "Launch":
     """Return who computes; where there has been no run, workers are made ready while it is planned."""
-    from sweep import records
-    from sweep.launch import Launch
+    from sweep.storage import records
+    from sweep.workers.launch import Launch
 
     launched = Launch(**launch)
     if not (directory / records.MANIFEST).exists():
@@ -187,7 +187,7 @@ def _prepare(
     resolved: "Resolved", directory: Path, store: str | None, launched: "Launch"
 ) -> tuple["Request", "Estimate", Callable[[], list[str]]]:
     """Plan a study and refuse what cannot be; return also what waits for what is implausible in it."""
-    from sweep.estimate import Estimate
+    from sweep.forecast.estimate import Estimate
     from sweep.run import prepare
 
     request = prepare(resolved, directory, store)
@@ -210,8 +210,9 @@ def _run(
     only_failed: bool = False,
 ) -> None:
     """Compute, publish, and leave with the exit status."""
-    from sweep import lock, records, space
     from sweep.run import FAILED, INTERRUPTED, execute, prepare
+    from sweep.running import lock
+    from sweep.storage import records, space
 
     if request.plan.tasks or mend:
         launched.check(directory, request.store)
@@ -259,7 +260,7 @@ def _run(
 
 def _mend(request: "Request", directory: Path) -> None:
     """Take back what is damaged of the results that are there."""
-    from sweep.verify import withdraw
+    from sweep.storage.verify import withdraw
 
     for each in withdraw(directory, request.plan.units.values()):
         click.echo(f"damaged: {each}; it is computed again", err=True)
@@ -279,7 +280,7 @@ def _stoppable() -> Iterator[None]:
 
 def _estimate(request: "Request") -> "Estimate":
     """Return what a request takes; where there is something to do, by the rates of this machine."""
-    from sweep import estimate
+    from sweep.forecast import estimate
 
     if not request.plan.tasks:
         return estimate.Estimate()
@@ -288,7 +289,7 @@ def _estimate(request: "Request") -> "Estimate":
 
 def _rates(request: "Request") -> "Rates":
     """Return the rates of this machine for all sorts of work that a request has."""
-    from sweep import pilot
+    from sweep.forecast import pilot
 
     tasks = request.plan.tasks.values()
     return pilot.rates(any("cross_section" in unit.inputs for task in tasks for unit in task.units))
@@ -297,7 +298,7 @@ def _rates(request: "Request") -> "Rates":
 def _check_fits(request: "Request", planned: "Estimate", directory: Path, workers: int | None) -> None:
     import psutil
 
-    from sweep import estimate
+    from sweep.forecast import estimate
 
     if request.plan.tasks:
         memory = psutil.virtual_memory().total
@@ -343,7 +344,7 @@ def _latest(directory: Path) -> "Resolved":
 
 
 def _manifest(directory: Path) -> dict[str, Any]:
-    from sweep.records import Run
+    from sweep.storage.records import Run
 
     try:
         return Run.load(directory)

@@ -19,9 +19,9 @@ from rich.progress import (
 )
 
 if TYPE_CHECKING:
-    from sweep.engine import Tally
     from sweep.plan import Task
-    from sweep.task import Outcome
+    from sweep.running.scheduler import Tally
+    from sweep.running.task import Outcome
 
 LOG = "log.jsonl"
 PLAIN_INTERVAL_S = 5.0

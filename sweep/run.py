@@ -16,15 +16,16 @@ from typing import TYPE_CHECKING, Any
 
 import railvib
 from railvib.errors import InputError
-from sweep import location, plan, records, units
+from sweep import plan, units
 from sweep.host import host_class
 from sweep.kinds import Kind, Unit
-from sweep.launch import Launch
-from sweep.lock import LOCK
+from sweep.running.lock import LOCK
+from sweep.storage import location, records
 from sweep.study import Case, Resolved
+from sweep.workers.launch import Launch
 
 if TYPE_CHECKING:
-    from sweep.engine import Tally
+    from sweep.running.scheduler import Tally
 
 LIBRARIES = (
     "railvib",
@@ -239,8 +240,9 @@ def _compute(
         if not tasks:
             log.write("finished", done=0, failed=0, skipped=0)
             return DONE
-        from sweep import engine, store
-        from sweep.task import Outcome, Place
+        from sweep.running import scheduler
+        from sweep.running.task import Outcome, Place
+        from sweep.storage import store
 
         store.clean(directory)
         if request.store:
@@ -251,7 +253,7 @@ def _compute(
         with launch.crew(len(tasks), units.__name__, directory) as crew, Display(len(tasks)) as display:
             unsaid, to_come = [cautions], [near_end]
 
-            def report(task: plan.Task, outcome: Outcome, tally: engine.Tally) -> None:
+            def report(task: plan.Task, outcome: Outcome, tally: scheduler.Tally) -> None:
                 while unsaid:  # what is implausible has been found while the first task ran
                     for text in unsaid.pop()():
                         display.warn(text)
@@ -272,14 +274,14 @@ def _compute(
                     **({"warnings": outcome.warnings} if outcome.warnings else {}),
                 )
 
-            tally = engine.run(request.plan, place, crew, report)
+            tally = scheduler.run(request.plan, place, crew, report)
             for _ in range(REPAIRS):
                 if not tally.damaged:
                     break
                 # A stored result was found damaged and withdrawn: a new plan makes it again.
                 log.write("repairing", tasks=tally.damaged)
                 again = prepare(request.resolved, directory, request.store).plan.resting_on(asked)
-                tally = engine.run(again, place, crew, report)
+                tally = scheduler.run(again, place, crew, report)
         log.write("finished", done=tally.done, failed=tally.failed, skipped=tally.skipped)
     return FAILED if tally.failed else DONE
 

@@ -6,8 +6,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from sweep import lock, records
 from sweep.progress import LOG
+from sweep.running import lock
+from sweep.storage import records
 
 _LAST_BYTES = 64 * 1024
 _ENDED = {0: "done", 1: "ended, some tasks failed", 130: "interrupted"}

@@ -18,13 +18,13 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError, model_validator
 
 from railvib import library
-from railvib.bands import midbands
-from railvib.cross_section import CrossSection
 from railvib.errors import InputError
-from railvib.ground import Ground
-from railvib.track import Track
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Vehicle
+from railvib.numerics.third_octaves import midbands
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.vehicle import Vehicle
 from sweep import identity
 from sweep.identity import Canonical
 

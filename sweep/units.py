@@ -15,38 +15,41 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from railvib import bands, blocks, library
-from railvib.boundary_elements import receiver_flexibility, strip_flexibility
-from railvib.cross_section import CrossSection
+from railvib import library
 from railvib.errors import InputError, PlausibilityWarning
-from railvib.forces import axle_distances
-from railvib.full_model import RECEIVERS_AT_ONCE
-from railvib.ground import Ground
-from railvib.line_integrals import LineIntegrals, line_integrals
-from railvib.moving_transfer import MovingTransfer, moving_transfer
-from railvib.panels import ORDER
+from railvib.fe_be.boundary_elements import receiver_flexibility, strip_flexibility
+from railvib.forces.moving_transfer import MovingTransfer, moving_transfer
+from railvib.forces.receptance import Receptances, highest_tabulated_frequency, tabulated_receptances
+from railvib.forces.wheel_rail import axle_distances
+from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics import third_octaves
+from railvib.numerics.wavenumber_panels import ORDER
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.vehicle import Train
 from railvib.plausibility import check_damping, check_speed
-from railvib.quasi_static import QuasiStatic, highest_left, quasi_static_spectra
-from railvib.receptance import Receptances, highest_tabulated_frequency, tabulated_receptances
-from railvib.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
-from railvib.squared import squares
-from railvib.tabulation import (
+from railvib.psd.full_model import RECEIVERS_AT_ONCE
+from railvib.psd.line_integrals import LineIntegrals, line_integrals
+from railvib.psd.quasi_static import QuasiStatic, highest_left, quasi_static_spectra
+from railvib.psd.spectra import LINES_AT_ONCE, Spectra, highest_excitation, line_step, lines, spectra
+from railvib.psd.train_average import TrainIntegrals, train_integrals
+from railvib.soil.tensor_fit import fit_tensor
+from railvib.transfer.intensity import squares
+from railvib.transfer.table import TransferBlock, TransferFunction
+from railvib.transfer.tabulate import (
     MOST_LEVELS,
     VALUES_AT_ONCE,
     distance_class,
     largest_wavenumber,
     transfer_blocks_by_class,
 )
-from railvib.tensor_fit import fit_tensor
-from railvib.track import Track
-from railvib.train_average import TrainIntegrals, train_integrals
-from railvib.transfer import TransferBlock, TransferFunction
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Train
-from sweep import compiling, identity
+from sweep import identity
 from sweep.identity import Canonical
 from sweep.kinds import AccuracyWarning, Inputs, Kind, Load, Unit
 from sweep.study import KMH, Case, Resolved
+from sweep.workers import compiling
 
 RAIL = "rail"
 STANDING = 0.0
@@ -73,7 +76,7 @@ def spectra_unit(resolved: Resolved, case: Case, approach: str) -> Unit:
         train=resolved.canonical["train"][case.train],
         unevenness=resolved.canonical["unevenness"][case.unevenness],
         speed=case.speed_kmh / KMH,
-        band=bands.midbands(study.frequency.minimum_hz, study.frequency.maximum_hz).tolist(),
+        band=third_octaves.midbands(study.frequency.minimum_hz, study.frequency.maximum_hz).tolist(),
         receivers=([RAIL] if study.receivers.rail else []) + sorted(set(study.receivers.offsets_m)),
         # A full pass-by is one thing: only the moving roughness can be averaged over the train as well.
         averaging=["line"] if approach == "full" else sorted(set(study.approaches.averaging)),
@@ -193,7 +196,7 @@ def train_axles(train: Canonical) -> _Axles:
 @lru_cache(REMEMBERED)
 def covering(band: tuple[float, ...]) -> range:
     """Return the blocks that cover one-third octaves; lines just beyond the last edge lie in its halo."""
-    lower, upper = bands.edges(band)
+    lower, upper = third_octaves.edges(band)
     return blocks.covering(float(lower[0]), float(upper[-1]))
 
 
@@ -202,7 +205,7 @@ def _transfer(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Trans
     ground, track, block = Ground(**first["ground"]), Track(**first["track"]), int(first["block"])
     asked = {unit.inputs["receiver"]: unit for unit in units}
     if "cross_section" in first:
-        from railvib.fe_be import FeBeModel  # brings a finite-element library
+        from railvib.fe_be.model import FeBeModel  # brings a finite-element library
 
         warm_up_fe_be()
         model = FeBeModel(ground, track, CrossSection(**first["cross_section"]), block)
@@ -294,7 +297,7 @@ def _integral_needs(inputs: Inputs) -> tuple[Unit, ...]:
 def _quasi_static_tables(inputs: Inputs) -> dict[str | float, tuple[Unit, ...]]:
     """Return the units of every receiver's transfer function as far up as something is left of it."""
     ground, track = Ground(**inputs["ground"]), Track(**inputs["track"])
-    lower, upper = bands.edges(inputs["band"])
+    lower, upper = third_octaves.edges(inputs["band"])
     tables = {}
     for receiver in inputs["receivers"]:
         highest = highest_left(ground, track, receiver, inputs["speed"])

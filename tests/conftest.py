@@ -9,11 +9,11 @@ import pytest
 from hypothesis import settings
 
 from railvib import library
-from railvib.ground import Ground
-from railvib.tabulation import transfer_blocks
-from railvib.track import Track
-from railvib.transfer import Receiver, TransferFunction
-from railvib.vehicle import Train, Vehicle
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
+from railvib.parameters.vehicle import Train, Vehicle
+from railvib.transfer.table import Receiver, TransferFunction
+from railvib.transfer.tabulate import transfer_blocks
 
 # A busy machine makes a right answer slow, not wrong.
 settings.register_profile("untimed", deadline=None)

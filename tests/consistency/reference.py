@@ -4,7 +4,7 @@ import csv
 from pathlib import Path
 
 from railvib import library
-from railvib.ground import Ground
+from railvib.parameters.ground import Ground
 
 DATA = Path(__file__).parents[1] / "data"
 

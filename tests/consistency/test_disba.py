@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from railvib.surface_waves import surface_wave_speeds
+from railvib.soil.surface_waves import surface_wave_speeds
 from tests.consistency.reference import damped, rows
 
 RAYLEIGH = [row for row in rows("rayleigh_love_greby") if row["mode"].startswith("R")]

@@ -7,9 +7,9 @@ import cmath
 import pytest
 
 from railvib import library
-from railvib.compliance import line_compliance
 from railvib.prediction import rail_receptance
-from railvib.quadrature import strip_compliance_by_quadrature
+from railvib.soil.compliance import line_compliance
+from railvib.soil.quadrature import strip_compliance_by_quadrature
 from tests.consistency.reference import rows, soil
 
 STRIP = rows("fe_pml")

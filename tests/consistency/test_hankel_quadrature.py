@@ -4,7 +4,7 @@ reflectivity).
 
 import pytest
 
-from railvib.compliance import ground_green_function
+from railvib.soil.compliance import ground_green_function
 from tests.consistency.reference import rows, soil
 
 

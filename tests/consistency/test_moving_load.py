@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from railvib.flexibility import surface_flexibilities
-from railvib.ground import Ground, Layer
-from railvib.rational_fit import fit_flexibility
-from railvib.strip import strip_compliances
+from railvib.parameters.ground import Ground, Layer
+from railvib.soil.flexibility import surface_flexibilities
+from railvib.soil.rational_fit import fit_flexibility
+from railvib.soil.strip import strip_compliances
 from tests.consistency.reference import rows
 
 ROWS = rows("moving_load")

@@ -6,9 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from railvib.ground import Ground, Layer
+from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.track import Track, TrackLayer
 from railvib.prediction import rail_receptance
-from railvib.track import Track, TrackLayer, track_response
+from railvib.transfer.track_response import track_response
 from tests.consistency.reference import rows
 
 EI, RAIL_MASS, SLEEPER_MASS = 6.3777e6, 60.2, 250.0

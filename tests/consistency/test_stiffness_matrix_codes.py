@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from railvib.flexibility import ground_flexibility
+from railvib.soil.flexibility import ground_flexibility
 from tests.consistency.reference import damped, rows
 
 GROUND = {

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 import railvib
-from railvib import bands, library
-from sweep import records, store, units
+from railvib import library
+from railvib.numerics import third_octaves
+from sweep import units
 from sweep.kinds import Unit
+from sweep.storage import records, store
 
 SOIL, OFFSET, TOLERANCE = "horstwalde", 8.0, 1e-9
 APPROACHES = ("moving-roughness", "moving-roughness-uncorrelated", "full")
@@ -88,6 +90,6 @@ def test_database_and_stored_lines_summed_into_bands_agree(results, run_director
     place = list(zip(attributes["receiver"], attributes["contribution"], strict=True)).index(
         ("rail", "dynamic")
     )
-    summed = bands.band_mean_squares(arrays["frequency"], arrays["psd"][place], arrays["band"])
+    summed = third_octaves.band_mean_squares(arrays["frequency"], arrays["psd"][place], arrays["band"])
     found = in_database(results, approach, "dynamic", "rail", None)
     np.testing.assert_allclose(found, summed, rtol=TOLERANCE)

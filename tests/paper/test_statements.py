@@ -6,7 +6,7 @@ The figures are read from the paper's text and plots, so each is held with 1 dB 
 import numpy as np
 import pytest
 
-from railvib.bands import midbands
+from railvib.numerics.third_octaves import midbands
 
 TOLERANCE = 1.0
 BAND = midbands(1.0, 100.0)

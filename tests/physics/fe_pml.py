@@ -12,9 +12,9 @@ from scipy.sparse import bmat, csr_matrix
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementQuad2, ElementVector, FacetBasis, LinearForm, MeshQuad
 
-from railvib.cross_section import CrossSection
-from railvib.ground import Ground
-from railvib.track import Track
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
 
 
 @dataclass(frozen=True)

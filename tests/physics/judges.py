@@ -7,9 +7,10 @@ import numba
 import numpy as np
 from scipy.special import iti0k0
 
-from railvib.flexibility import surface_flexibility
-from railvib.ground import Ground, Layer
-from railvib.track import Track, track_response
+from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.track import Track
+from railvib.soil.flexibility import surface_flexibility
+from railvib.transfer.track_response import track_response
 from tests.physics.long_arithmetic import Long, solve
 
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803")
@@ -151,8 +152,8 @@ def centre_compliances(ground: Ground, half_width: float, beta: np.ndarray, omeg
     """Return C(β, 0, ω) from Q33 along the real axis, panels fine against the damped peaks; its static part
     in closed form.
 
-    Nothing is shared with `railvib.quadrature` but Q33. What is cut off far out leaves errors of 1e-6. The
-    path must stay on the axis: layers on a rigid base carry backward waves, whose poles lie on the other
+    Nothing is shared with `railvib.soil.quadrature` but Q33. What is cut off far out leaves errors of 1e-6.
+    The path must stay on the axis: layers on a rigid base carry backward waves, whose poles lie on the other
     side of it.
     """
     b, beta, w = half_width, np.abs(beta), np.abs(omega)

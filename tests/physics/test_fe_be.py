@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from railvib.boundary_elements import graded
-from railvib.compliance import line_compliance
-from railvib.coupled_section import columns, strip_edges
-from railvib.cross_section import CrossSection
-from railvib.fe_be import fe_be_blocks, fe_be_response
-from railvib.solid_bed import CondensedBed, SolidBed
-from railvib.track import Track, TrackLayer, track_response
+from railvib.fe_be.boundary_elements import graded
+from railvib.fe_be.coupling import columns, strip_edges
+from railvib.fe_be.model import fe_be_blocks, fe_be_response
+from railvib.fe_be.solid_bed import CondensedBed, SolidBed
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.track import Track, TrackLayer
+from railvib.soil.compliance import line_compliance
+from railvib.transfer.track_response import track_response
 from tests.physics.fe_pml import Extent, GroundSection
 from tests.physics.test_strips import strips
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from railvib.errors import InputError
-from railvib.flexibility import ground_flexibility, psv_flexibility
-from railvib.flexibility_tensor import ground_flexibility_tensor, sh_flexibility, surface_components
-from railvib.ground import Ground, Layer
+from railvib.parameters.ground import Ground, Layer
+from railvib.soil.flexibility import ground_flexibility, psv_flexibility
+from railvib.soil.flexibility_tensor import ground_flexibility_tensor, sh_flexibility, surface_components
 from tests.consistency.reference import damped, rows
 from tests.physics.judges import psv_by_global_matrix, random_ground
 

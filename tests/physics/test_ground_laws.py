@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from railvib.flexibility import ground_flexibility, surface_flexibility
-from railvib.ground import Ground, Layer
+from railvib.parameters.ground import Ground, Layer
+from railvib.soil.flexibility import ground_flexibility, surface_flexibility
 from tests.physics.judges import flexibility_by_global_matrix, random_ground
 
 STACKS = range(40)

@@ -5,18 +5,18 @@ model.
 import numpy as np
 import pytest
 
-from railvib import bands
-from railvib.excitation import excitation, resolved
-from railvib.forces import arrivals, axle_distances, force_matrices
-from railvib.full_model import passage_spectra
-from railvib.ground import Ground, Layer
-from railvib.line_integrals import directly, line_integrals
-from railvib.moving_roughness import axle_pairs, products, spans
-from railvib.quasi_static import quasi_static_spectra
-from railvib.receptance import tabulated_receptances
-from railvib.spectra import line_step, lines, spectra
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Train
+from railvib.forces.receptance import tabulated_receptances
+from railvib.forces.wheel_rail import arrivals, axle_distances, force_matrices
+from railvib.numerics import third_octaves
+from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.vehicle import Train
+from railvib.psd.excitation import excitation, resolved
+from railvib.psd.full_model import passage_spectra
+from railvib.psd.line_integrals import directly, line_integrals
+from railvib.psd.moving_roughness import axle_pairs, products, spans
+from railvib.psd.quasi_static import quasi_static_spectra
+from railvib.psd.spectra import line_step, lines, spectra
 
 SPEED = 150.0 / 3.6
 ROUGH = Unevenness(form="fra-hamid-yang", line_class=3)
@@ -78,7 +78,7 @@ def test_tabulated_line_integrals_are_those_computed_at_the_lines(receiver, func
 
 def test_by_axle_equals_all_together(functions, standing, train):
     """Law 1: Eq. 27 with its cross terms is Eq. 23, to rounding."""
-    midband = bands.midbands(2.0, 25.0)
+    midband = third_octaves.midbands(2.0, 25.0)
     d = spans(train.axle_positions)
     integrals = line_integrals(functions, d, range(3))
     f = lines(midband, line_step(train.length, SPEED))
@@ -212,7 +212,7 @@ class TestSlowTrain:
         ]
         mean = line_products(functions[8.0], train.axle_positions, f, force)[:, 0, 0].real
         rough = mean / train.length * ROUGH.psd(2.0 * np.pi * f / speed) * 2.0 * np.pi / speed
-        by_band = bands.band_mean_squares(f, np.array([full, rough]), midband)[:, 0]
+        by_band = third_octaves.band_mean_squares(f, np.array([full, rough]), midband)[:, 0]
         assert abs(10.0 * np.log10(by_band[0] / by_band[1])) < 0.1
         # Line by line the comb remains, however slow the train is.
         assert np.std(10.0 * np.log10(full / rough)) > 2.0

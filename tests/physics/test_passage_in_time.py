@@ -11,17 +11,17 @@ import numba
 import numpy as np
 import pytest
 
-from railvib.excitation import excitation
-from railvib.forces import arrivals, axle_distances, force_matrices
-from railvib.full_model import passage_spectra
-from railvib.ground import Ground, Layer
-from railvib.quasi_static import quasi_static_spectra
-from railvib.rational_fit import fit_flexibility
-from railvib.receptance import tabulated_receptances
-from railvib.strip import strip_compliances
-from railvib.track import track_response
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Train
+from railvib.forces.receptance import tabulated_receptances
+from railvib.forces.wheel_rail import arrivals, axle_distances, force_matrices
+from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.vehicle import Train
+from railvib.psd.excitation import excitation
+from railvib.psd.full_model import passage_spectra
+from railvib.psd.quasi_static import quasi_static_spectra
+from railvib.soil.rational_fit import fit_flexibility
+from railvib.soil.strip import strip_compliances
+from railvib.transfer.track_response import track_response
 
 SPEED = 40.0
 OFFSET = 8.0

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from railvib.errors import PlausibilityWarning
-from railvib.ground import Ground, Layer
+from railvib.parameters.ground import Ground, Layer
 from railvib.plausibility import check_speed
 from railvib.prediction import rail_receptance
-from railvib.surface_waves import surface_wave_speeds
+from railvib.soil.surface_waves import surface_wave_speeds
 from tests.physics.judges import random_ground, receptance_by_quadrature
 
 DISTANCES = np.array([0.0, 2.7, -2.7, 16.3, -16.3])

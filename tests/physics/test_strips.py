@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from railvib.boundary_elements import graded, receiver_flexibility, strip_flexibility
-from railvib.flexibility_tensor import ground_flexibility_tensor
-from railvib.quadrature import strip_compliance_by_quadrature
-from railvib.tensor_fit import fit_tensor
+from railvib.fe_be.boundary_elements import graded, receiver_flexibility, strip_flexibility
+from railvib.soil.flexibility_tensor import ground_flexibility_tensor
+from railvib.soil.quadrature import strip_compliance_by_quadrature
+from railvib.soil.tensor_fit import fit_tensor
 from tests.physics.fe_pml import Extent, GroundSection
 
 B = 1.6

@@ -4,8 +4,10 @@ import shutil
 
 import pytest
 
-from queries import crew, database, schema
-from queries.ingest import ingest
+from queries.database import connection as database
+from queries.database import schema
+from queries.database.ingest import ingest
+from queries.figures import crew
 from tests.queries.run_directory import Study
 
 

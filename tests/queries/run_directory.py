@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sweep import records, store
+from sweep.storage import records, store
 
 APPROACHES = ("moving-roughness", "moving-roughness-uncorrelated", "full")
 BANDS = 10.0 ** (np.arange(0, 21) / 10.0)

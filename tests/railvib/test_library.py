@@ -8,11 +8,11 @@ from click.testing import CliRunner
 from railvib import library
 from railvib.cli import main
 from railvib.errors import InputError
-from railvib.ground import Ground
-from railvib.parameters import Parameters
-from railvib.track import Track
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Train, Vehicle
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.validation import Parameters
+from railvib.parameters.vehicle import Train, Vehicle
 
 EVERYTHING = [(kind, name) for kind in library.KINDS for name in library.names(kind)]
 

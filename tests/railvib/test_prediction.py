@@ -6,14 +6,15 @@ import warnings
 import numpy as np
 import pytest
 
-from railvib import bands, library
+from railvib import library
 from railvib.errors import InputError, PlausibilityWarning
-from railvib.ground import Ground, Layer
+from railvib.numerics import third_octaves
+from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.track import TrackLayer
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.vehicle import Train
 from railvib.plausibility import check_speed
 from railvib.prediction import predict, rail_receptance
-from railvib.track import TrackLayer
-from railvib.unevenness import Unevenness
-from railvib.vehicle import Train
 
 SPEED = 30.0
 ROUGH = Unevenness(form="fra-hamid-yang", line_class=3)
@@ -41,7 +42,7 @@ class TestDataset:
         assert list(case.approach.values) == ["moving-roughness", "moving-roughness-uncorrelated", "full"]
         assert list(case.receiver.values) == ["rail", "ground 0 m", "ground 8 m"]
         np.testing.assert_array_equal(case.offset, [np.nan, 0.0, 8.0])
-        np.testing.assert_allclose(case.band, bands.midbands(4.0, 16.0))
+        np.testing.assert_allclose(case.band, third_octaves.midbands(4.0, 16.0))
         assert set(case.axle.values) == {1, 2, 3, 4}
         assert all(np.isfinite(case[name]).all() for name in case.data_vars)
 
@@ -57,14 +58,14 @@ class TestDataset:
 
     def test_bands_are_integrals_of_lines(self, case):
         psd = case.velocity_psd.sel(approach="full", contribution="dynamic")
-        mean_square = bands.band_mean_squares(case.frequency, psd.values, case.band)
+        mean_square = third_octaves.band_mean_squares(case.frequency, psd.values, case.band)
         np.testing.assert_allclose(
             case.velocity_mean_square.sel(approach="full", contribution="dynamic"), mean_square, rtol=1e-12
         )
 
     def test_forces_are_those_of_the_coupled_system(self, case, track, single):
         """Eq. 12 assembled from `rail_receptance` and the vehicle, one line of the moving roughness."""
-        from railvib.vehicle import train_receptance
+        from railvib.parameters.vehicle import train_receptance
 
         line = int(np.argmin(np.abs(case.frequency.values - 9.0)))
         f = float(case.frequency[line])

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from moto.server import ThreadedMotoServer
 
-from sweep import location
+from sweep.storage import location
 
 BUCKET = "vibration"
 SECRET = "not-to-be-told"

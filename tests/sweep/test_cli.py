@@ -9,7 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from sweep import lock, records, store
+from sweep.running import lock
+from sweep.storage import records, store
 from tests.sweep import driver
 from tests.sweep.small import STUDY, invoke
 
@@ -171,7 +172,7 @@ def test_damage_is_repaired_within_a_run(here):
     for kind in ("line_integrals", "quasi_static", "moving_transfer", "receptance"):
         for record in records.committed(out, kind):
             records.withdraw(out, kind, record["unit_id"])
-    from sweep import task
+    from sweep.running import task
 
     task.forget()
     result = invoke("run", "small.toml", "--workers", 0)  # which, unlike resume, looks at what it uses only

@@ -12,9 +12,12 @@ import duckdb
 import psutil
 import pytest
 
-from queries.ingest import ingest
-from sweep import cluster, engine, plan, records
-from sweep.task import Place
+from queries.database.ingest import ingest
+from sweep import plan
+from sweep.running import scheduler
+from sweep.running.task import Place
+from sweep.storage import records
+from sweep.workers import dask_cluster
 from tests.sweep import driver, poisoned, toy
 from tests.sweep.small import STUDY, invoke
 
@@ -80,7 +83,7 @@ def workers():
 def run(directory, wanted, crew):
     made = plan.make(wanted, toy.KINDS, records.present(directory))
     settled = []
-    tally = engine.run(
+    tally = scheduler.run(
         made,
         Place(str(directory), "run-1", toy.__name__),
         crew,
@@ -108,7 +111,7 @@ def test_six_killed_workers_lose_nothing(tmp_path):
                 victim.kill()
                 killed.append(victim.pid)
 
-    with cluster.local(2, toy.__name__) as crew:
+    with dask_cluster.local(2, toy.__name__) as crew:
         stop = threading.Event()
         killer = threading.Thread(target=kill, args=[stop])
         killer.start()
@@ -119,7 +122,7 @@ def test_six_killed_workers_lose_nothing(tmp_path):
     assert (tally.total, tally.done, tally.failed, tally.skipped) == (300, 300, 0, 0)
     assert len(os.listdir(marks)) <= 330
     assert Counter(each["unit_id"] for each in records.committed(tmp_path / "killed")).total() == 300
-    run(tmp_path / "undisturbed", wanted, engine.ThisProcess())
+    run(tmp_path / "undisturbed", wanted, scheduler.ThisProcess())
     assert arrays(tmp_path / "killed") == arrays(tmp_path / "undisturbed")
 
 
@@ -161,7 +164,7 @@ def test_a_killed_driver_leaves_no_process_and_what_is_missing(folder, undisturb
 
 IN_A_CHUNK = f"""
 import os, signal
-from sweep import location
+from sweep.storage import location
 write = location._write
 written = []
 def torn(path, content):
@@ -190,7 +193,7 @@ def test_a_driver_killed_inside_a_zarr_write(folder, undisturbed):
 
 IN_THE_DATABASE = f"""
 import os, signal
-from queries.rows import Writer
+from queries.database.rows import Writer
 flush = Writer.flush
 def torn(self):
     flush(self)
@@ -229,7 +232,7 @@ def test_poisoned_cases_fail_alone_and_are_retried(folder, computed, monkeypatch
     told = "".join(failures.values())
     assert "Traceback" in told
     assert "ArithmeticError: poisoned at 31 km/h" in told
-    assert engine.LOST in told
+    assert scheduler.LOST in told
     assert len(list(records.committed(directory, "spectra"))) == 2
     status = invoke("status", directory).output
     assert "2 of 4 complete" in status

@@ -8,11 +8,12 @@ import pytest
 
 import railvib
 from railvib import library
-from railvib.cross_section import CrossSection
 from railvib.errors import InputError
-from railvib.spectra import Spectra
-from railvib.vehicle import Train
-from sweep import records, store, study, units
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.vehicle import Train
+from railvib.psd.spectra import Spectra
+from sweep import study, units
+from sweep.storage import records, store
 from tests.sweep.small import STUDY, invoke
 from tests.sweep.test_units import ids
 

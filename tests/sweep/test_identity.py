@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import railvib
-from railvib.ground import Ground, Layer
+from railvib.parameters.ground import Ground, Layer
 from sweep import identity
 
 scalars = st.none() | st.booleans() | st.floats(allow_nan=False, allow_infinity=False) | st.text(max_size=8)

@@ -11,9 +11,12 @@ from obstore.store import S3Store
 from zarr.storage import ObjectStore
 
 import sweep
-from queries import database, ingest
-from sweep import compared, engine, location, plan, records, store, task
-from sweep.task import Place
+from queries.database import connection as database
+from queries.database import ingest
+from sweep import plan
+from sweep.running import scheduler, task
+from sweep.running.task import Place
+from sweep.storage import checksums, location, records, store
 from tests.sweep import toy
 from tests.sweep.s3_server import SECRET, s3
 from tests.sweep.small import STUDY, invoke
@@ -68,7 +71,7 @@ def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, m
     group = f"studies/{store.STORE}/{record['group']}"
     with xarray.open_zarr(ObjectStore(S3Store("vibration", prefix=group), read_only=True)) as dataset:
         assert dataset.wavenumber.dims == ("frequency", "node")
-        assert compared.checksum(dataset.wavenumber.values) == record["arrays"]["wavenumber"]
+        assert checksums.checksum(dataset.wavenumber.values) == record["arrays"]["wavenumber"]
     xarray.testing.assert_equal(sweep.open_grid(out).compute(), sweep.open_grid(computed / "out").compute())
 
     text = STUDY.replace('"small"', '"other"').replace("german-low", "german-high")
@@ -125,7 +128,7 @@ def run(directory, wanted, outside):
     made = plan.make(wanted, toy.KINDS, records.listed(directory) | records.listed(outside))
     place = Place(str(directory), "run-1", toy.__name__, store=outside)
     task.forget()  # as another process would
-    return engine.run(made, place, engine.ThisProcess(), lambda *_: None)
+    return scheduler.run(made, place, scheduler.ThisProcess(), lambda *_: None)
 
 
 def test_shared_units_go_outside_and_are_used_again(tmp_path, outside):

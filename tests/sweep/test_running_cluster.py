@@ -12,7 +12,7 @@ import time
 import pytest
 import trustme
 
-from sweep import records
+from sweep.storage import records
 from tests.sweep.small import STUDY, invoke
 
 DASK = [sys.executable, "-m", "dask"]

@@ -4,7 +4,7 @@ from datetime import datetime
 
 import pytest
 
-from sweep import records
+from sweep.storage import records
 from tests.sweep import driver
 from tests.sweep.small import STUDY, invoke
 

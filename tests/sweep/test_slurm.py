@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from sweep import jobs, records
+from sweep.storage import records
+from sweep.workers import jobs
 from tests.sweep.small import STUDY, invoke
 
 ROOT = Path(__file__).parents[2]

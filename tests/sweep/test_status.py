@@ -3,9 +3,10 @@ import shutil
 
 import pytest
 
-from sweep import lock, records, store
+from sweep.running import lock
+from sweep.storage import records, store
+from tests.sweep.running.test_lock import ended, leave
 from tests.sweep.small import invoke
-from tests.sweep.test_lock import ended, leave
 
 
 @pytest.fixture
@@ -121,7 +122,7 @@ def test_damage_of_one_result_is_not_that_of_others_in_its_group(copy):
 
 @pytest.mark.parametrize("how", ["deleted", "torn"])
 def test_the_database_is_derived(copy, monkeypatch, how):
-    from queries.ingest import ingest
+    from queries.database.ingest import ingest
 
     ingest(copy)
     monkeypatch.setattr("sweep.cli.VERIFY", "railvib.verify")

@@ -211,6 +211,6 @@ def test_a_value_twice_is_one_case():
 def test_the_approaches_are_those_of_the_physics():
     from typing import get_args
 
-    from railvib.spectra import APPROACHES
+    from railvib.psd.spectra import APPROACHES
 
     assert get_args(study.Approach) == APPROACHES

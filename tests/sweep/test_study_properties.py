@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railvib import library
-from railvib.bands import midbands
-from railvib.spectra import APPROACHES
+from railvib.numerics.third_octaves import midbands
+from railvib.psd.spectra import APPROACHES
 from sweep import study, units
 from sweep.run import prepare
 

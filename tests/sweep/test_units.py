@@ -4,10 +4,11 @@ import tomllib
 import numpy as np
 
 import railvib
-from railvib import bands
-from railvib.spectra import Spectra
-from sweep import records, store, study, units
+from railvib.numerics import third_octaves
+from railvib.psd.spectra import Spectra
+from sweep import study, units
 from sweep.kinds import Unit
+from sweep.storage import records, store
 from tests.sweep.small import STUDY
 
 
@@ -44,7 +45,7 @@ def test_stored_spectra_are_those_of_predict(computed):
     )
     for record in records.committed(computed / "out", "spectra"):
         made = store.read(computed / "out", record["group"], Spectra, record["arrays"])
-        np.testing.assert_allclose(made.band, bands.midbands(4.0, 8.0))
+        np.testing.assert_allclose(made.band, third_octaves.midbands(4.0, 8.0))
         for receiver, offset in (("rail", np.nan), ("ground", 8.0)):
             (row,) = np.flatnonzero(
                 (made.receiver == receiver) & (made.contribution == "total") & (made.averaging == "line")

@@ -1,0 +1,5 @@
+"""Measures railvib on this machine."""
+
+from benchmarks.cli import benchmark
+
+benchmark()

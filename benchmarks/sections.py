@@ -1,0 +1,102 @@
+"""One run of the benchmark: its sections one after the other, and the document that it leaves."""
+
+import json
+import os
+import platform
+import socket
+import subprocess
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import asdict
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import railvib
+from benchmarks import arithmetic, growth, kernel, paper, transfer
+from benchmarks.arithmetic import Rates
+from benchmarks.figures import Figure
+from benchmarks.sizes import Size
+from railvib.numerics import threads
+from sweep.host import host_class
+from sweep.run import LIBRARIES
+from sweep.storage import location
+
+SCHEMA = 1
+_MEASURES: Mapping[str, Callable[[Size, Rates], Iterator[Figure]]] = {
+    kernel.SECTION: kernel.measure,
+    transfer.SECTION: transfer.measure,
+    paper.SECTION: lambda size, rates: paper.measure(size),
+    growth.SECTION: lambda size, rates: growth.measure(size),
+}
+
+
+def measure(
+    size: Size, only: Iterable[str], directory: Path, report: Callable[[Figure], None]
+) -> tuple[Path, dict[str, Any], list[Figure]]:
+    """Measure sections in this process and its children; return the file written, its content, the figures.
+
+    Parameters
+    ----------
+    size
+        How much to measure.
+    only
+        Names of sections.
+    directory
+        Where the file goes; made if missing.
+    report
+        Called with every figure as soon as it is known.
+    """
+    document = _head(size)
+    figures: list[Figure] = []
+    with threads.single():  # a core is what is measured
+        rates = arithmetic.rates()
+        document["rates"] = asdict(rates)
+        for name in only:
+            for figure in _MEASURES[name](size, rates):
+                figures.append(figure)
+                report(figure)
+    document |= {
+        "finished": _now(),
+        "load_after": os.getloadavg()[0],
+        "figures": [figure.document() for figure in figures],
+    }
+    directory.mkdir(parents=True, exist_ok=True)
+    name = f"benchmark-{document['started'][:19].replace(':', '')}.json"
+    content = json.dumps(document, indent=1, ensure_ascii=False).encode() + b"\n"
+    location.Folder(directory).replace(name, content)
+    return directory / name, document, figures
+
+
+def _head(size: Size) -> dict[str, Any]:
+    """Return where and with what is measured."""
+    return {
+        "schema": SCHEMA,
+        "size": size.name,
+        "started": _now(),
+        "host": socket.gethostname(),
+        "host_class": host_class(),
+        "processors": os.cpu_count(),
+        "load_before": os.getloadavg()[0],
+        "commit": _commit(),
+        "model_version": railvib.MODEL_VERSION,
+        "versions": {
+            "python": platform.python_version(),
+            **{name: metadata.version(name) for name in LIBRARIES},
+        },
+    }
+
+
+def _commit() -> str | None:
+    """Return the git commit of the source that is measured, marked where it was changed; None outside git."""
+    home = Path(railvib.__file__).parent
+    command = ["git", "-C", str(home), "describe", "--always", "--dirty", "--abbrev=12", "--match="]
+    try:
+        found = subprocess.run(command, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return found.stdout.strip()
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")

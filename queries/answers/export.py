@@ -1,0 +1,104 @@
+"""Results as Parquet files, for readers without railvib and without DuckDB."""
+
+import csv
+import os
+import shutil
+from pathlib import Path
+
+import duckdb
+
+from queries.database import connection as database
+from queries.database.connection import ResultsError
+
+PARTITIONS = {
+    "levels": ("approach", "quantity"),
+    "accuracy": ("approach", "quantity"),
+    "psd": ("approach", "case_id"),
+}
+"""Large tables and views, with the columns by which they are cut into folders named column=value."""
+
+SINGLE = (
+    "runs",
+    "cases",
+    "case_parameters",
+    "runtime",
+    "tradeoff",
+    "costs",
+    "missing",
+    "failures",
+    "receptances",
+    "unevenness_bands",
+    "soils",
+    "soil_layers",
+    "tracks",
+    "track_layers",
+    "trains",
+    "vehicles",
+    "axles",
+    "unevenness",
+)
+"""Small ones, a file each."""
+
+_COLUMNS = "columns.csv"
+
+
+def export(named: Path | str, folder: Path) -> list[str]:
+    """Write results as Parquet files into a new folder, and return what was written.
+
+    Parameters
+    ----------
+    named
+        Run directory or database file.
+    folder
+        Made; must not be there, or be empty.
+
+    Raises
+    ------
+    ResultsError
+        If there are no results, or the folder holds something.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise ResultsError(f"{folder}: is there already; an export needs a folder of its own")
+    partial = folder.with_name(f"{folder.name}.{os.getpid()}.partial")
+    with database.connect(named):  # refuses what is no database of this version
+        path = database.locate(named).path
+    try:
+        partial.mkdir(parents=True)
+        with duckdb.connect(":memory:") as connection:
+            connection.execute(f"ATTACH {_quoted(path)} AS results (READ_ONLY)")
+            connection.execute("USE results")
+            for table, columns in PARTITIONS.items():
+                _copy(connection, table, partial / table, f", PARTITION_BY ({', '.join(columns)})")
+            for table in SINGLE:
+                _copy(connection, table, partial / f"{table}.parquet")
+            _write_columns(connection, partial / _COLUMNS)
+        if folder.exists():
+            folder.rmdir()
+        partial.rename(folder)
+    except OSError as error:
+        raise ResultsError(f"{folder}: cannot be written: {error.strerror}") from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+    return [*(f"{table}/" for table in PARTITIONS), *(f"{table}.parquet" for table in SINGLE), _COLUMNS]
+
+
+def _copy(connection: duckdb.DuckDBPyConnection, table: str, path: Path, options: str = "") -> None:
+    connection.execute(f"COPY (FROM {table}) TO {_quoted(path)} (FORMAT parquet, COMPRESSION zstd{options})")
+
+
+def _write_columns(connection: duckdb.DuckDBPyConnection, path: Path) -> None:
+    """Write what every column means, with its unit: Parquet has no place for it that all readers show."""
+    rows = connection.execute(
+        "SELECT table_name, column_name, data_type, comment FROM duckdb_columns() "
+        "WHERE NOT internal AND database_name = 'results' AND list_contains($1, table_name) "
+        "ORDER BY table_name, column_index",
+        [[*PARTITIONS, *SINGLE]],
+    ).fetchall()
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("table", "column", "type", "meaning"))
+        writer.writerows(rows)
+
+
+def _quoted(path: Path) -> str:
+    return "'" + str(path).replace("'", "''") + "'"

@@ -1,0 +1,64 @@
+"""Whoever publishes the results of a run that the engine computes; light until it gets ready."""
+
+import importlib
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Self
+
+from queries.figures.crew import WORKERS, Crew
+
+
+class Publisher:
+    """Publishes the results of a run directory, see `queries.database.publication`.
+
+    Parameters
+    ----------
+    directory
+        Of the run.
+    """
+
+    def __init__(self, directory: Path | str) -> None:
+        self._directory = Path(directory)
+        self._stack = ExitStack()
+        self._crew: Crew | None = None
+        self._begun: Future[Path] | None = None
+
+    def __enter__(self) -> Self:
+        """Return itself; leaving the block ends all that has been started."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def get_ready(self) -> None:
+        """Begin to load all that publishing takes, while the last tasks run; does not wait."""
+        self._crew = self._stack.enter_context(Crew(WORKERS))
+        thread = self._stack.enter_context(ThreadPoolExecutor(1))
+        self._begun = thread.submit(_begin, self._directory)
+        self._stack.callback(_remove, self._begun)
+
+    def publish(self) -> None:
+        """Bring database, figures and report up to date, and print the comparison."""
+        from queries.database import ingest, publication
+
+        if self._crew is None:
+            # Whoever draws loads the plotting library while the database is made.
+            workers = WORKERS if ingest.is_outdated(self._directory) else 0
+            self._crew = self._stack.enter_context(Crew(workers))
+        begun = None if self._begun is None else self._begun.result()
+        publication.publish(self._directory, self._crew, begun)
+
+
+def _begin(directory: Path) -> Path:
+    """Import what publishing takes, and begin with the database."""
+    importlib.import_module("queries.database.publication")
+    from queries.database import ingest
+
+    return ingest.begin(directory)
+
+
+def _remove(begun: "Future[Path]") -> None:
+    """Remove a database that was begun for nothing: the run has failed, or has been interrupted."""
+    if begun.exception() is None:
+        begun.result().unlink(missing_ok=True)

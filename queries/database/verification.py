@@ -1,0 +1,32 @@
+"""Whether the database of a run is there and can be read throughout."""
+
+from pathlib import Path
+
+import duckdb
+
+from queries.database import connection as database
+from queries.database.connection import DATABASE, ResultsError
+
+
+def verify(directory: Path, repair: bool = False) -> list[str]:
+    """Read every value of the database of a run directory; return what is wrong with it, in a line each.
+
+    Parameters
+    ----------
+    directory
+        Output directory of a run.
+    repair
+        Remove a database that cannot be read, so that it is made anew from the records.
+    """
+    path = directory / DATABASE
+    if not path.exists():
+        return [f"{DATABASE}: is not there; it can be made from the records"]
+    try:
+        with database.attach(path) as connection:
+            for (table,) in connection.execute("SELECT table_name FROM duckdb_tables()").fetchall():
+                connection.execute(f"SELECT max(hash(COLUMNS(*))) FROM results.{table}")
+    except (ResultsError, duckdb.Error) as error:
+        if repair:
+            path.unlink(missing_ok=True)
+        return [f"{DATABASE}: {str(error).splitlines()[0].removeprefix(f'{path}: ')}"]
+    return []

@@ -1,0 +1,153 @@
+"""The report: summary, figures to explore, tables and provenance in one page that needs no network."""
+
+import importlib.util
+import json
+import os
+import re
+from collections.abc import Iterator
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import duckdb
+from jinja2 import Environment, FunctionLoader, StrictUndefined
+from markupsafe import Markup
+
+from queries.answers import compare, provenance, summary
+from queries.answers.compare import Pair
+from queries.database import connection as database
+from queries.database.connection import ResultsError
+from queries.report import page_data
+
+_PAGE = resources.files("queries.report") / "page"
+_MOST_ROWS = 2000
+"""Rows up to which a table of errors has one per case and receiver."""
+_SCRIPTS = ("data.js", "plots.js", "figures.js", "page.js")
+
+
+def write(connection: duckdb.DuckDBPyConnection, path: Path) -> Path:
+    """Write the report of results and return its path; every number comes from the database.
+
+    Raises
+    ------
+    ResultsError
+        If the file cannot be written.
+    """
+    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
+    try:
+        with partial.open("wb") as file:
+            for piece in page(connection):  # in one text, megabytes of figures would take two bytes a letter
+                file.write(piece.encode())
+        partial.replace(path)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot be written: {error.strerror}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def shown(path: Path) -> tuple[str, ...]:
+    """Return the digests of the snapshot that a report shows, see `database.snapshot`; () for no report."""
+    try:
+        with path.open(encoding="utf-8") as file:
+            head = file.read(1000)
+    except OSError:
+        return ()
+    found = re.search('name="railvib-snapshot" content="([0-9a-f]+) ([0-9a-f]+)"', head)
+    return found.groups() if found else ()
+
+
+def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
+    """Return the page, piece by piece."""
+    row = connection.execute("SELECT study FROM runs ORDER BY sequence DESC LIMIT 1").fetchone()
+    said = {
+        "study": str(row[0] if row and row[0] else "results"),
+        "snapshot": " ".join(database.snapshot(connection)),
+        "verdicts": summary.verdicts(connection),
+        "sentences": summary.summary(connection),
+        "missing": summary.missing(connection),
+        "tables": [
+            *(
+                compare.error_table(connection, pair, by)
+                for pair in compare.pairs(connection)
+                for by in _groupings(connection, pair)
+            ),
+            compare.cost_table(connection, by_case=True),
+        ],
+        "provenance": provenance.tables(connection),
+    }
+    # Last: narrow-band lines fill what DuckDB may hold, and then every query takes half as long again.
+    drawn = page_data.data(connection)
+    return (
+        _environment()
+        .get_template("report.html")
+        .generate(
+            said,
+            data=drawn,
+            thinned=_thinned(drawn["lines"]),
+            style=Markup(_text("report.css")),
+            scripts=[Markup(_text(name)) for name in _SCRIPTS],
+            plotly=Markup(_plotly()),
+        )
+    )
+
+
+def _groupings(connection: duckdb.DuckDBPyConnection, pair: Pair) -> list[tuple[str, ...] | None]:
+    """Return what error tables are grouped by: case and receiver, or each alone where there are many."""
+    row = connection.execute(
+        f"SELECT count(*) FROM (SELECT DISTINCT case_id, receiver, offset_m FROM ({pair.rows}))",
+        list(pair.given),
+    ).fetchone()
+    few = not row or row[0] <= _MOST_ROWS
+    return [None] if few else [(*compare.varying(connection),), ("receiver",)]
+
+
+def _thinned(lines: dict[str, Any]) -> str:
+    """Say which narrow-band lines the page has."""
+    if not lines["lines"]:
+        return "The database holds no narrow-band lines: the study leaves them to the store."
+    if not lines["bins"]:
+        return f"All {lines['lines']:,} lines of each spectrum are drawn."
+    said = (
+        f"To keep this page small, each spectrum of up to {lines['lines']:,} lines is thinned to the "
+        f"smallest and the largest line of each of {lines['bins']:,} bins of frequency, so that peaks and "
+        "dips stay"
+    )
+    if lines["dynamic_only"]:
+        said += "; only the dynamic contribution is here"
+    if lines["cases"] < lines["of_cases"]:
+        said += f"; {lines['cases']} of {lines['of_cases']} cases have one"
+    return said + ". The database has every line."
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        autoescape=True,
+        loader=FunctionLoader(_text),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["json"] = _json
+    return environment
+
+
+def _json(value: Any) -> Markup:
+    """Return a value as JSON that may stand in a script element, whatever text is in it."""
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
+
+
+def _text(name: str) -> str:
+    return (_PAGE / name).read_text("utf-8")
+
+
+def _plotly() -> str:
+    """Return the plotting library, as its Python package brings it; the package itself is slow to import."""
+    found = importlib.util.find_spec("plotly")
+    assert found is not None
+    assert found.submodule_search_locations is not None
+    place = Path(found.submodule_search_locations[0]) / "package_data" / "plotly.min.js"
+    return place.read_text("utf-8")

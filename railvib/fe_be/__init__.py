@@ -1,0 +1,1 @@
+"""Track and ground by coupled 2.5D finite and boundary elements: the verification model."""

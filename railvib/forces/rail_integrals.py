@@ -1,0 +1,200 @@
+"""Fourier integrals over wavenumber of the rail's response to loads that stand or move.
+
+    ∫ H̃_R(β, ω − βv) e^{iβd} dβ
+
+The integral runs over panels between the slownesses at which waves travel, Doppler-shifted, with the place
+where ω − βv changes sign (and with it the damping) as a panel's edge. A panel that does not resolve the
+response is halved. Beyond the tables the rail on its pads carries the load alone.
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.wavenumber_panels import NODE, ORDER, fourier_integrals, unresolved
+from railvib.parameters.track import Track
+from railvib.transfer.table import TransferFunction
+from railvib.transfer.track_response import track_response
+
+_TAIL_PANELS = 3
+_TAIL_RATIO = 4.0
+"""Each panel of the tail ends at so many times its beginning. The tail is less than 1e-3 of all and falls
+with the cube of where it begins: what is cut off is below 1e-8.
+"""
+_MOST_HALVINGS = 12
+_EDGES_TAKEN = 3
+_NARROWEST = 0.01
+"""Width of the narrowest panels in powers of two, rad/m, where no wave asks for narrower ones."""
+_TURN_SEEN = 4.0
+"""Panels need no edge for ω − βv = 0 at distances from it of so many times its β: it is as far as β = 0."""
+_RESOLVED = 1e-2
+"""Last Legendre coefficients of a panel times its width, over tolerance times peak: the error left is below
+1e-2 of the tolerance.
+"""
+
+
+def rail_integrals(
+    rail: TransferFunction,
+    track: Track,
+    speed: float,
+    frequency: np.ndarray,
+    distance: np.ndarray,
+    tolerance: float,
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return cosine and sine integrals of the rail's response to a load.
+
+    Parameters
+    ----------
+    rail, track, speed
+        As in `railvib.forces.receptance.receptances`.
+    frequency
+        Frequencies of the load, Hz, (n,), not negative.
+    distance
+        Distances, not negative and ascending, m, (m,).
+    tolerance
+        Relative error allowed.
+
+    Returns
+    -------
+    cosine, sine : ndarray of complex, shape (n, m)
+        ∫ H̃_R cos(βd) dβ and ∫ H̃_R sin(βd) dβ, m/N.
+    number : int
+        At how many wavenumbers the response was computed.
+
+    Raises
+    ------
+    ValueError
+        If a frequency that the track sees lies above the tables.
+    """
+    if speed == 0.0:  # below the tables the static limit
+        frequency = np.maximum(frequency, rail.lowest)
+    # The response to a standing load is even in β: its panels lie over β > 0 and count twice.
+    sides = 2.0 if speed == 0.0 else 1.0
+    panels = _resolved(rail, track, speed, frequency, tolerance)
+    order = np.argsort(panels.owner, kind="stable")
+    cosine = np.zeros((frequency.size, 2, distance.size))
+    sine = np.zeros((frequency.size, 2, distance.size))
+    _per_frequency(
+        np.searchsorted(panels.owner[order], np.arange(frequency.size + 1)),
+        order,
+        panels.centre[order],
+        panels.half[order],
+        panels.value.view(float),
+        distance,
+        cosine,
+        sine,
+    )
+    even = sides * (cosine[:, 0] + 1j * cosine[:, 1])
+    odd = sine[:, 0] + 1j * sine[:, 1] if speed != 0.0 else np.zeros_like(even)
+    return even, odd, panels.value.size
+
+
+class _Panels(NamedTuple):
+    """Panels of all frequencies, (panels,), and the response at their nodes, (panels, order)."""
+
+    owner: np.ndarray
+    """Which of the frequencies."""
+    centre: np.ndarray
+    half: np.ndarray
+    value: np.ndarray
+
+
+def _resolved(
+    rail: TransferFunction, track: Track, speed: float, frequency: np.ndarray, tolerance: float
+) -> _Panels:
+    """Return panels that resolve the response."""
+    owner, low, high = _first_panels(rail, frequency, speed)
+    centre, half = 0.5 * (high + low), 0.5 * (high - low)
+    peak = np.zeros(frequency.size)
+    parts: list[_Panels] = []
+    for halving in range(_MOST_HALVINGS + 1):
+        beta = centre[:, None] + half[:, None] * NODE
+        seen = 2.0 * np.pi * frequency[owner][:, None] - beta * speed
+        tail = np.abs(centre) > rail.reach
+        if tail.any():
+            value = np.empty(beta.shape, complex)
+            value[~tail] = rail.response(beta[~tail], seen[~tail], into_halo=speed == 0.0)
+            value[tail], _force = track_response(track, beta[tail], seen[tail], 0.0)
+        else:
+            value = rail.response(beta, seen, into_halo=speed == 0.0)
+        if halving == 0:
+            np.maximum.at(peak, owner, np.sqrt((np.square(value.real) + np.square(value.imag)).max(axis=1)))
+        bad = unresolved(value)[:, 0] * 2.0 * half > _RESOLVED * tolerance * peak[owner]
+        bad &= halving < _MOST_HALVINGS
+        parts.append(_Panels(owner[~bad], centre[~bad], half[~bad], value[~bad]))
+        if not bad.any():
+            break
+        # Both halves, one after the other: what depends on the width alone then serves both.
+        owner, half = np.repeat(owner[bad], 2), np.repeat(0.5 * half[bad], 2)
+        centre = np.repeat(centre[bad], 2)
+        centre[::2] -= half[::2]
+        centre[1::2] += half[1::2]
+    return _Panels(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+
+def _first_panels(
+    rail: TransferFunction, frequency: np.ndarray, speed: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the first panels of all frequencies: which frequency, and the lower and the upper edge.
+
+    Edges are the tables' slownesses as a moving load sees them, powers of two from there to the largest β,
+    and the tail's. Of the tables' edges every third is taken: their panels resolve the ground at some
+    distance as well.
+    """
+    largest = rail.reach
+    which = blocks.assigned(frequency, rail.blocks)
+    tail = largest * _TAIL_RATIO ** np.arange(1, _TAIL_PANELS + 1)
+    halves = largest * 0.5 ** np.arange(1, int(np.log2(largest / _NARROWEST)) + 1)
+    found = []
+    for block in np.unique(which):
+        table = rail.blocks[int(block)]
+        slowness = table.edge[(table.edge > 0.0) & (table.edge <= 1.0)][::-_EDGES_TAKEN] * table.top_slowness
+        omega = 2.0 * np.pi * frequency[which == block][:, None]
+        ahead = omega * slowness / (1.0 + slowness * speed)
+        reach = np.maximum(omega * slowness[0], _NARROWEST)
+        far = np.where(halves > reach, halves, np.inf)
+        ends = np.broadcast_to([0.0, largest, *tail], (omega.size, 2 + tail.size))
+        parts = [_within(ahead, largest), _within(far, largest), ends]
+        if speed > 0.0:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                behind = omega * slowness / (slowness * speed - 1.0)
+            turn = omega / speed
+            near = np.where(far < _TURN_SEEN * turn, far, np.inf)
+            parts += [_within(each, largest) for each in (behind, -far, turn + near, turn - near)]
+            parts += [_within(turn, tail[-1]), -ends[:, 1:]]
+        edge = np.sort(np.concatenate(parts, axis=1), axis=1)
+        distinct = np.isfinite(edge)
+        distinct[:, 1:] &= edge[:, 1:] > edge[:, :-1] + 1e-9 * largest
+        row, edge = np.nonzero(distinct)[0], edge[distinct]
+        inner = row[1:] == row[:-1]
+        found.append((np.flatnonzero(which == block)[row[1:][inner]], edge[:-1][inner], edge[1:][inner]))
+    owner, low, high = (np.concatenate(each) for each in zip(*found, strict=True))
+    return owner, low, high
+
+
+def _within(value: np.ndarray, limit: float) -> np.ndarray:
+    """Return values, infinite in place of those that are not inside a limit."""
+    return np.where(np.abs(value) < limit, value, np.inf)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _per_frequency(first, order, centre, half, value, distance, cosine, sine):
+    """Add the cosine and sine integrals of every frequency's panels, (frequencies, 2, distances) each.
+
+    The panels are in order of their frequencies, but for `value`, whose rows `order` names; there real and
+    imaginary parts are in turn, (panels, 2·order).
+    """
+    frequencies = first.shape[0] - 1
+    most = 0
+    for i in range(frequencies):
+        most = max(most, first[i + 1] - first[i])
+    own = np.empty((2, most, ORDER))
+    for i in range(frequencies):
+        for p in range(first[i], first[i + 1]):
+            for j in range(ORDER):
+                own[0, p - first[i], j] = value[order[p], 2 * j]
+                own[1, p - first[i], j] = value[order[p], 2 * j + 1]
+        here = slice(first[i], first[i + 1])
+        fourier_integrals(centre[here], half[here], own, distance, cosine[i], sine[i])

@@ -1,0 +1,148 @@
+"""Wheel–rail forces of a train on uneven rails.
+
+    [Σ_T + Σ_R + I/k_H] P = −w̃        (Eq. 12)
+
+With the standing receptances of the rail this is the moving-roughness approach, with the moving ones the full
+model; nothing else differs.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from railvib import cost
+from railvib.forces.axle_system import solve
+from railvib.forces.receptance import Receptances
+from railvib.numerics.vector_math import turned
+from railvib.parameters.vehicle import Train, Vehicle, chain_flexibilities, train_receptance
+
+_MOST_GROWTH = 1e3
+"""Largest product of the factors' entries, relative to the matrix, with which rows keep their order: of 16
+digits at most three are lost.
+"""
+
+
+def axle_distances(train: Train) -> np.ndarray:
+    """Return the distinct signed distances α_j − α_k between axles, ascending, m."""
+    alpha = train.axle_positions
+    return np.unique(np.round(alpha[:, None] - alpha[None, :], 9))
+
+
+def force_matrices(train: Train, rail: Receptances, frequency: np.ndarray) -> np.ndarray:
+    """Return the forces at all axles per unit unevenness at one axle.
+
+    Parameters
+    ----------
+    train
+        The train.
+    rail
+        The rail's receptances, standing or moving, at least at the train's axle distances.
+    frequency
+        Frequencies of excitation, Hz, (n,), positive.
+
+    Returns
+    -------
+    ndarray of complex, shape (n, axles, axles)
+        G_lp = P_l for w̃_p = 1 and no unevenness elsewhere, N/m; axles ascend in x.
+    """
+    return AxleEquations(train, rail, frequency).matrices(slice(None))
+
+
+def axle_forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenness: np.ndarray) -> np.ndarray:
+    """Return the forces at all axles for a given unevenness under each.
+
+    Parameters
+    ----------
+    train, rail, frequency
+        As in `force_matrices`.
+    unevenness
+        w̃_l, m, complex (n, axles).
+
+    Returns
+    -------
+    ndarray of complex, shape (n, axles)
+        P_l, N; axles ascend in x.
+    """
+    return AxleEquations(train, rail, frequency).forces(slice(None), unevenness[..., None])[..., 0]
+
+
+class AxleEquations:
+    """Eq. 12 at some frequencies, to be solved for some of them at a time.
+
+    Parameters
+    ----------
+    train, rail, frequency
+        As for `force_matrices`.
+    """
+
+    def __init__(self, train: Train, rail: Receptances, frequency: np.ndarray) -> None:
+        self._train = train
+        self._layout = _layout(train)
+        self._column = np.searchsorted(rail.distance, self._layout.distance - 1e-8)
+        with cost.stage("wheel-rail forces"):
+            self._omega = 2.0 * np.pi * frequency
+            self._receptance = rail.at(frequency)
+            flexibility = [chain_flexibilities(vehicle, self._omega) for vehicle in self._layout.kinds]
+            self._flexibility = np.stack(flexibility)
+
+    def matrices(self, rows: slice) -> np.ndarray:
+        """Return what `force_matrices` does, at some of the frequencies."""
+        unit = np.eye(self._train.axle_count, dtype=complex)
+        return self.forces(rows, np.broadcast_to(unit, (self._omega[rows].size, *unit.shape)))
+
+    def forces(self, rows: slice, unevenness: np.ndarray) -> np.ndarray:
+        """Return the forces of several sets of unevenness at some of the frequencies, (n, axles, sets)."""
+        forces = np.empty(unevenness.shape, complex)
+        with cost.stage("wheel-rail forces") as spent:
+            receptance = self._receptance[rows]
+            growth = solve(
+                receptance,
+                self._column,
+                np.ascontiguousarray(self._flexibility[..., rows]),
+                self._layout.kind,
+                self._layout.contact,
+                np.ascontiguousarray(unevenness),
+                forces,
+            )
+            for row in np.flatnonzero(~(growth < _MOST_GROWTH)):  # as yet no train has needed it
+                omega = self._omega[rows][row]
+                compliance = receptance[row][self._column] + train_receptance(self._train, omega)
+                compliance += np.diag(self._layout.contact)
+                forces[row] = -np.linalg.solve(compliance, unevenness[row])
+            spent.evaluations += len(forces)
+        return forces
+
+
+class _Layout(NamedTuple):
+    """What the equations of a train's axles take from it."""
+
+    distance: np.ndarray
+    """Between every two axles, signed, m."""
+    kinds: tuple[Vehicle, ...]
+    kind: np.ndarray
+    """Of every vehicle, ascending in x: which of the kinds."""
+    contact: np.ndarray
+    """1/k_H of every axle, m/N."""
+
+
+@lru_cache(16)
+def _layout(train: Train) -> _Layout:
+    alpha = train.axle_positions
+    kinds = {vehicle: number for number, vehicle in enumerate(dict.fromkeys(train.vehicles))}
+    return _Layout(
+        np.round(alpha[:, None] - alpha[None, :], 9),
+        tuple(kinds),
+        np.array([kinds[vehicle] for vehicle in reversed(train.vehicles)]),
+        1.0 / train.contact_stiffness,
+    )
+
+
+def arrivals(train: Train, frequency: np.ndarray, speed: float) -> np.ndarray:
+    """Return w̃_l = e^{iβα_l} with β = ω/v (Eq. 20, 21), shape (frequencies, axles)."""
+    return turned(2.0 * np.pi / speed * frequency[:, None] * train.axle_positions)
+
+
+def axle_numbers(train: Train) -> np.ndarray:
+    """Return the axles' numbers in results, ascending in x: axle 1 leads the train."""
+    return np.arange(train.axle_count, 0, -1)

@@ -1,0 +1,89 @@
+"""The track: two rails as one beam on pads, on sleepers or a slab, on ballast-like layers, on the ground.
+
+All values are per metre of track and for both rails together. Hysteretic damping as in the ground: a
+stiffness is multiplied by 1 + iη sgn ω.
+"""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from railvib.parameters.validation import LossFactor, NonNegative, Parameters, Positive
+
+
+class TrackLayer(Parameters):
+    """Distributed vertical springs with consistent mass: ballast, sub-ballast, embankment, slab mat."""
+
+    stiffness: Positive = Field(alias="stiffness_n_m2")
+    """Vertical stiffness per length of track, N/m²."""
+    mass: NonNegative = Field(default=0.0, alias="mass_kg_m")
+    """Mass per length of track, kg/m."""
+    loss_factor: LossFactor = 0.0
+    """Hysteretic loss factor."""
+
+
+class Track(Parameters):
+    """A ballasted or a slab track with an invariant cross-section.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or does not belong to the form of the track.
+    """
+
+    form: Literal["ballasted", "slab"] = "ballasted"
+    """Sleepers without bending stiffness along the track, or a slab as Euler beam."""
+    rail_bending_stiffness: Positive = Field(alias="rail_bending_stiffness_n_m2")
+    """Bending stiffness EI of both rails, N·m²."""
+    rail_mass: Positive = Field(alias="rail_mass_kg_m")
+    """Mass of both rails per length, kg/m."""
+    rail_loss_factor: LossFactor = 0.0
+    """Loss factor of the rails' bending stiffness."""
+    pad_stiffness: Positive = Field(alias="pad_stiffness_n_m2")
+    """Vertical stiffness of the rail pads per length of track, both rails, N/m²."""
+    pad_loss_factor: LossFactor = 0.0
+    """Loss factor of the rail pads."""
+    contact_width: Positive = Field(alias="contact_width_m")
+    """Width 2b over which the track presses on the ground, m."""
+    layers: tuple[TrackLayer, ...] = ()
+    """From the sleepers or the slab down: ballast, sub-ballast, embankment."""
+    sleeper_mass: NonNegative | None = Field(default=None, alias="sleeper_mass_kg_m")
+    """Ballasted track: mass of the sleepers per length, kg/m."""
+    slab_bending_stiffness: Positive | None = Field(default=None, alias="slab_bending_stiffness_n_m2")
+    """Slab track: bending stiffness of the slab along the track, N·m²."""
+    slab_mass: Positive | None = Field(default=None, alias="slab_mass_kg_m")
+    """Slab track: mass of the slab per length, kg/m."""
+    slab_loss_factor: LossFactor | None = None
+    """Slab track: loss factor of the slab's bending stiffness."""
+    mat: TrackLayer | None = None
+    """Slab track: resilient mat under the slab."""
+
+    @model_validator(mode="after")
+    def _fields_fit_form(self) -> Self:
+        needed = {"ballasted": ("sleeper_mass",), "slab": ("slab_bending_stiffness", "slab_mass")}
+        foreign = {
+            "ballasted": ("slab_bending_stiffness", "slab_mass", "slab_loss_factor", "mat"),
+            "slab": ("sleeper_mass",),
+        }
+        for name in needed[self.form]:
+            if getattr(self, name) is None:
+                raise ValueError(
+                    f"{type(self).model_fields[name].alias} is missing: a {self.form} track needs it"
+                )
+        for name in foreign[self.form]:
+            if getattr(self, name) is not None:
+                alias = type(self).model_fields[name].alias or name
+                raise ValueError(f"{alias} does not belong to a {self.form} track")
+        if self.form == "ballasted" and not self.layers:
+            raise ValueError("layers is empty: a ballasted track needs at least the ballast")
+        return self
+
+    @property
+    def half_width(self) -> float:
+        """Half the contact width b, m."""
+        return 0.5 * self.contact_width
+
+    @property
+    def bed(self) -> tuple[TrackLayer, ...]:
+        """All layers between the sleepers or the slab and the ground, from the top down."""
+        return (self.mat, *self.layers) if self.mat is not None else self.layers

@@ -1,0 +1,1 @@
+"""Power spectral densities by moving roughness and by the full model."""

@@ -1,0 +1,163 @@
+"""The excitation of the full model: forces of all axles over the wavenumber of the unevenness.
+
+    q_l(β) = P_l(βv) e^{−iβα_l} √S_w(|β|)
+
+The phases of the forces are taken out, so that the q_l vary slowly. They are known as Legendre series on
+panels of β, which are halved until the series end in nothing.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from railvib.forces.receptance import Receptances
+from railvib.forces.wheel_rail import arrivals, axle_forces
+from railvib.numerics.wavenumber_panels import ORDER, TO_POWERS, nodes_between, to_legendre
+from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.vehicle import Train
+
+_FIRST_PANELS = 16
+_MOST_HALVINGS = 10
+_TAIL = 3.0
+"""Size of a series' last terms over the tolerance, relative to the largest amplitude of its panel.
+
+They count squared, or where the amplitudes of the axles cancel: no line is then farther off than three
+tolerances in terms of its neighbours, nor a one-third octave than one.
+"""
+_LOWEST_HZ = 0.005
+"""Below, forces are taken as those of this frequency: a free vehicle has no static receptance."""
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """q_l(β) for β ≥ 0; at −β it is the conjugate."""
+
+    edge: np.ndarray
+    """Edges of the panels, rad/m, ascending from 0, (panels + 1,). Beyond the last there is no excitation."""
+    series: np.ndarray
+    """Legendre series of q_l, N/√(rad/m), complex (axles, panels, order)."""
+    axle_position: np.ndarray
+    """α, m, (axles,)."""
+    wavenumbers: tuple[float, float] = (0.0, np.inf)
+    """Lowest and highest β of the unevenness, rad/m: edges of panels, where they are inside."""
+
+    def turned(self, phase: np.ndarray) -> np.ndarray:
+        """Return phases (lines, axles) times q_l, summed over axles: (2, 2, lines, terms).
+
+        The first index tells the real from the imaginary part of the phase, the second those of q_l, which is
+        given in powers of x from −1 to 1 over its panels. From these follow A = Σ_l phase_l q_l at β, and
+        at −β.
+        """
+        return np.asarray(np.stack([phase.real, phase.imag])[:, None] @ self._powers)
+
+    @cached_property
+    def _powers(self) -> np.ndarray:
+        """Real and imaginary part of q_l in powers of x, (2, axles, terms)."""
+        terms = (self.series @ TO_POWERS).reshape(self.series.shape[0], -1)
+        return np.stack([terms.real, terms.imag])
+
+
+def excitation(
+    train: Train,
+    moving: Receptances,
+    unevenness: Unevenness,
+    speed: float,
+    maximum_frequency: float,
+    tolerance: float = 1e-4,
+    refinement: int = 1,
+) -> Excitation:
+    """Return the forces of the full model over the wavenumber of the unevenness.
+
+    Parameters
+    ----------
+    train, unevenness
+        The train and the rails' unevenness.
+    moving
+        The rail's receptances at the train's speed.
+    speed
+        m/s.
+    maximum_frequency
+        Highest frequency of excitation, Hz.
+    tolerance
+        Relative error allowed.
+    refinement
+        Into how many parts to divide the panels that resolve it, for studies of convergence.
+    """
+    per_hz = 2.0 * np.pi / speed
+    # The amplitudes go on beyond the wavelengths at which the unevenness is cut off, smoothly.
+    uncut = unevenness.uncut
+
+    def amplitude(beta: np.ndarray) -> np.ndarray:
+        frequency = np.maximum(beta / per_hz, _LOWEST_HZ)
+        phase = arrivals(train, frequency, speed)
+        force = axle_forces(train, moving, frequency, phase)
+        return np.asarray(force * phase.conj() * np.sqrt(uncut.psd(frequency * per_hz))[:, None])
+
+    shortest, longest = unevenness.cut_offs
+    ends = (2.0 * np.pi / longest, 2.0 * np.pi / shortest if shortest > 0.0 else np.inf)
+    return resolved(amplitude, maximum_frequency * per_hz, train.axle_positions, ends, tolerance, refinement)
+
+
+def resolved(
+    amplitude: Callable[[np.ndarray], np.ndarray],
+    largest: float,
+    axle_position: np.ndarray,
+    wavenumbers: tuple[float, float] = (0.0, np.inf),
+    tolerance: float = 1e-4,
+    refinement: int = 1,
+) -> Excitation:
+    """Return the excitation of given amplitudes on panels that resolve them.
+
+    Parameters
+    ----------
+    amplitude
+        Returns q_l at wavenumbers β > 0 (n,) in rad/m, complex (n, axles).
+    largest
+        Largest β, rad/m.
+    axle_position, wavenumbers
+        As in `Excitation`.
+    tolerance
+        Relative error allowed.
+    refinement
+        Into how many parts to divide the panels found.
+    """
+    first = np.linspace(0.0, largest, _FIRST_PANELS + 1)
+    cuts = [each for each in wavenumbers if 0.0 < each < largest]
+    edge = np.unique(np.concatenate([first, cuts]))
+    pending = np.stack([edge[:-1], edge[1:]], axis=1)
+    low: list[np.ndarray] = []
+    found: list[np.ndarray] = []
+    for halving in range(_MOST_HALVINGS + 1):
+        series = _series(amplitude, pending)
+        tail = np.abs(series[..., -2:]).max(axis=(0, 2))
+        bad = tail > _TAIL * tolerance * np.abs(series).sum(axis=2).max(axis=0)
+        bad &= halving < _MOST_HALVINGS
+        low.append(pending[~bad, 0])
+        found.append(series[:, ~bad])
+        if not bad.any():
+            break
+        pending = _divided(pending[bad], 2)
+    starts = np.concatenate(low)
+    order = np.argsort(starts)
+    edge = np.append(starts[order], largest)
+    series = np.concatenate(found, axis=1)[:, order]
+    if refinement > 1:
+        panels = _divided(np.stack([edge[:-1], edge[1:]], axis=1), refinement)
+        edge = np.append(panels[:, 0], largest)
+        series = _series(amplitude, panels)
+    return Excitation(edge, np.ascontiguousarray(series), axle_position, wavenumbers)
+
+
+def _series(amplitude: Callable[[np.ndarray], np.ndarray], panels: np.ndarray) -> np.ndarray:
+    """Return the Legendre series of amplitudes on panels (n, 2), complex (axles, n, order)."""
+    value = amplitude(nodes_between(panels).ravel())
+    return to_legendre(value.T.reshape(value.shape[1], -1, ORDER))
+
+
+def _divided(panels: np.ndarray, parts: int) -> np.ndarray:
+    """Return panels (n, 2), each divided into equal parts, (n × parts, 2)."""
+    share = np.arange(parts + 1) / parts
+    edge = panels[:, :1] + np.diff(panels, axis=1) * share
+    return np.stack([edge[:, :-1].ravel(), edge[:, 1:].ravel()], axis=1)

@@ -1,0 +1,195 @@
+"""Moments of the full model's excitation over the panels of the tables' wavenumbers.
+
+Over a panel of |κ|, x from −1 to 1 on it, ∫ |A(κ + shift)|² xⁿ dκ on both sides, κ > 0 and κ < 0. A is a
+polynomial on panels of its own, in |β| = |κ + shift|; both kinds of panels cut each other into parts, each of
+which has a few Gauss–Legendre nodes, one for each number in a vector register.
+"""
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
+
+from railvib.numerics.wavenumber_panels import ORDER
+
+_NODES = 8
+_NODE, _WEIGHT = np.polynomial.legendre.leggauss(_NODES)
+"""Nodes of a part: fewer than a panel's, as parts are small against one of their two panels."""
+_LONGEST_PART = 1.25
+"""Sum of a part's shares in its panels of κ and β up to which these nodes resolve what is integrated."""
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest, out):
+    """Write the moments of panels that are wanted, (lines, panels, order).
+
+    Parameters
+    ----------
+    edge
+        The panels' edges, (lines, panels + 1), rad/m.
+    wanted
+        At which panels, (lines, panels).
+    shift
+        2πf/v, (lines,), rad/m.
+    parts, rows
+        What `Excitation.turned` returns, in powers of x on the excitation's panels, and which of its lines
+        these are.
+    beta_edge
+        Edges of the excitation's panels, rad/m.
+    lowest, highest
+        Of |κ + shift|, rad/m: nothing excites beyond.
+    out
+        Where the moments are written; left as it is at other panels.
+    """
+    lines, panels = wanted.shape
+    terms = parts.shape[3]
+    plane = parts.shape[2] * terms
+    tiny = 1e-12 * beta_edge[-1]
+    sums = np.empty((ORDER, _NODES))
+    below = np.empty(2, np.int64)
+    over_width = np.empty(beta_edge.shape[0] - 1)
+    for b in range(over_width.shape[0]):
+        over_width[b] = 1.0 / (beta_edge[b + 1] - beta_edge[b])
+    for i in range(lines):
+        below[0] = 0
+        below[1] = 0
+        for p in range(panels):
+            if not wanted[i, p]:
+                continue
+            low = edge[i, p]
+            high = edge[i, p + 1]
+            over = 1.0 / (high - low)
+            for n in range(ORDER):
+                for j in range(_NODES):
+                    sums[n, j] = 0.0
+            for k in range(2):
+                side = 2.0 * k - 1.0
+                start = low
+                while high - start > tiny:
+                    b, backward, end, below[k] = _excited_panel(
+                        beta_edge, start, side, shift[i], tiny, below[k]
+                    )
+                    if b >= beta_edge.shape[0] - 1:
+                        start = end  # beyond the last edge there is no excitation
+                        continue
+                    if end > high - tiny:
+                        end = high
+                    scale = 2.0 * over_width[b]
+                    if (end - start) * (0.5 * scale + over) > _LONGEST_PART:
+                        end = 0.5 * (start + end)
+                    centre = 0.5 * (start + end)
+                    half = 0.5 * (end - start)
+                    start = end
+                    beta = side * centre + shift[i]
+                    if not lowest <= abs(beta) <= highest:
+                        continue
+                    # Where the part's nodes lie on the panels of β and of κ: offset and slope.
+                    place = (
+                        (abs(beta) - beta_edge[b]) * scale - 1.0,
+                        (-side if backward else side) * half * scale,
+                        2.0 * (centre - low) * over - 1.0,
+                        2.0 * half * over,
+                        half,
+                        # At −β the q_l are conjugate.
+                        -1.0 if backward else 1.0,
+                    )
+                    _add_part(parts, rows[i] * terms + b * ORDER, plane, place, sums)
+            _sum_nodes(sums, out[i, p])
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+def _sum_nodes(sums, out):
+    """Write the sums over nodes."""
+    for n in range(ORDER):
+        total = 0.0
+        for j in range(_NODES):
+            total += sums[n, j]
+        out[n] = total
+
+
+@intrinsic
+def _add_part(typingctx, parts, start, plane, place, sums):
+    """Add |A|² at a part's nodes, times weights and powers of x, to sums (order, nodes).
+
+    The four parts of A, of the phases' and of the q_l's real and imaginary parts, begin at `start` and are
+    `plane` numbers apart. All stays in vector registers, which no compiler finds by itself for so much.
+    """
+
+    def codegen(context, builder, signature, args):
+        double, number = ir.DoubleType(), ir.IntType(64)
+        vector = ir.VectorType(double, _NODES)
+        nowhere = ir.Constant(vector, ir.Undefined)
+        first = ir.Constant(ir.VectorType(ir.IntType(32), _NODES), [0] * _NODES)
+        series = context.make_array(signature.args[0])(context, builder, args[0]).data
+        totals = context.make_array(signature.args[4])(context, builder, args[4]).data
+
+        def everywhere(value):
+            lone = builder.insert_element(nowhere, value, ir.Constant(ir.IntType(32), 0))
+            return builder.shuffle_vector(lone, nowhere, first)
+
+        def multiply_add(one, other, added):
+            product = builder.fmul(one, other, flags=("contract",))
+            return builder.fadd(product, added, flags=("contract",))
+
+        given = [everywhere(builder.extract_value(args[3], k)) for k in range(6)]
+        sign = given[5]
+        minus = builder.fneg(sign)
+        planes = [args[1]]
+        for _ in range(3):
+            planes.append(builder.add(planes[-1], args[2]))
+        starts = [builder.gep(series, [each]) for each in planes]
+
+        def term(which, n):
+            return everywhere(builder.load(builder.gep(starts[which], [ir.Constant(number, n)])))
+
+        def amplitude(n):
+            # Real times real less imaginary times imaginary, and the rest, whose sign may be either.
+            real = multiply_add(minus, term(3, n), term(0, n))
+            return real, multiply_add(sign, term(2, n), term(1, n))
+
+        node = ir.Constant(vector, _NODE.tolist())
+        x = multiply_add(given[1], node, given[0])
+        real, imag = amplitude(ORDER - 1)
+        for n in range(ORDER - 2, -1, -1):
+            own = amplitude(n)
+            real, imag = multiply_add(real, x, own[0]), multiply_add(imag, x, own[1])
+        square = multiply_add(real, real, builder.fmul(imag, imag))
+        each = builder.fmul(square, builder.fmul(given[4], ir.Constant(vector, _WEIGHT.tolist())))
+        x = multiply_add(given[3], node, given[2])
+        for n in range(ORDER):
+            place = builder.gep(totals, [ir.Constant(number, n * _NODES)])
+            place = builder.bitcast(place, vector.as_pointer())
+            builder.store(builder.fadd(builder.load(place, align=8), each), place, align=8)
+            each = builder.fmul(each, x)
+        return context.get_dummy_value()
+
+    return types.none(parts, types.int64, types.int64, place, sums), codegen
+
+
+@numba.njit(forceinline=True, error_model="numpy")
+def _excited_panel(edge, kappa, side, shift, tiny, below):
+    """Return on which panel of |β| the part begins that starts at |κ|, if β < 0 there, and where it ends.
+
+    Last comes the number of edges below, from which the next search sets out: parts follow one another.
+    """
+    beta = side * kappa + shift
+    if side > 0.0:
+        n = _count_below(edge, beta + tiny, below)
+        return n - 1, False, (edge[n] - shift if n < edge.shape[0] else np.inf), n
+    if beta > tiny:  # towards β = 0
+        n = _count_below(edge, beta - tiny, below)
+        return n - 1, False, shift - edge[n - 1], n
+    n = _count_below(edge, -beta + tiny, below)
+    return n - 1, True, (edge[n] + shift if n < edge.shape[0] else np.inf), n
+
+
+@numba.njit(forceinline=True, error_model="numpy")
+def _count_below(edge, limit, guess):
+    """Return how many ascending edges are below a limit, from a guess."""
+    n = guess
+    while n < edge.shape[0] and edge[n] < limit:
+        n += 1
+    while n > 0 and edge[n - 1] >= limit:
+        n -= 1
+    return n

@@ -1,0 +1,278 @@
+"""Integrals of the squared response along the line: what the moving roughness needs of track and ground.
+
+    M(d, f) = (1/π) ∫₀^∞ |H̃(β, f)|² cos(βd) dβ
+
+at the distances d between axles. It depends on neither speed nor forces, and is smooth in frequency: it is
+tabulated on a block's frequencies, as the transfer function is, and interpolated to the narrow-band lines.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from railvib import cost
+from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals
+from railvib.transfer.intensity import same_nodes, squared, squared_at
+from railvib.transfer.table import Receiver, TransferFunction
+
+_AT_ONCE = 64
+_MOST_LEVELS = 6
+_CHECKS = 5
+_SHARE = 0.1
+"""Of the tolerance, what interpolation between the frequencies may take."""
+_NEGLIGIBLE = 1e-14
+"""Share of ∫ |H̃|² below which a panel is passed over."""
+
+
+@dataclass(frozen=True)
+class LineIntegrals:
+    """M(d, f) of one receiver, block after block."""
+
+    frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency"})
+    distance: np.ndarray = field(
+        metadata={"dims": ("distance",), "unit": "m", "description": "distance between axles"}
+    )
+    integral: np.ndarray = field(
+        metadata={
+            "dims": ("frequency", "distance"),
+            "unit": "m3/N2",
+            "description": "line integral of the squared response",
+            "own": "receiver",
+        }
+    )
+    block: np.ndarray = field(metadata={"dims": ("block",), "unit": "", "description": "index of the block"})
+    level: np.ndarray = field(
+        metadata={"dims": ("block",), "unit": "", "description": "level of the block's frequencies"}
+    )
+    interpolation_error: np.ndarray = field(
+        metadata={
+            "dims": ("block",),
+            "unit": "1",
+            "description": "largest error half-way between frequencies, relative to the integral at 0 m",
+            "own": "receiver",
+        }
+    )
+
+    def at(self, frequency: np.ndarray) -> np.ndarray:
+        """Interpolate to frequencies (n,) in Hz inside the blocks; (n, distances), m³/N²."""
+        return blocks.across(self.block, self.level, frequency, self.integral)
+
+
+def line_integrals(
+    receivers: Mapping[Receiver, TransferFunction],
+    distances: npt.ArrayLike,
+    which: Iterable[int],
+    tolerance: float = 1e-4,
+    refinement: int = 1,
+) -> dict[Receiver, LineIntegrals]:
+    """Tabulate M(d, f) of some receivers.
+
+    Each takes in each block the first level from that of its transfer function on at which interpolation
+    passes a check half-way between the frequencies; none depends on which others were asked for.
+
+    Parameters
+    ----------
+    receivers
+        The receivers' transfer functions.
+    distances
+        Distances d ≥ 0 between axles, m, ascending from 0.
+    which
+        Indices of the blocks, ascending, see `railvib.numerics.frequency_blocks`; the transfer functions are
+        tabulated there.
+    tolerance
+        Error allowed, relative to the integral at distance 0.
+    refinement
+        For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
+    """
+    d = np.asarray(distances, float)
+    made: dict[Receiver, list[_Block]] = {receiver: [] for receiver in receivers}
+    for block in which:
+        for receiver, table in _block(receivers, d, block, tolerance, int(np.log2(refinement))).items():
+            made[receiver].append(table)
+    # What receivers with the same levels have in common is the same arrays in all of them.
+    common: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+    integrals = {}
+    for receiver, tables in made.items():
+        level = tuple(each.level for each in tables)
+        if level not in common:
+            frequency = np.concatenate([each.frequency for each in tables])
+            common[level] = frequency, np.array([each.block for each in tables]), np.array(level)
+        frequency, own_blocks, levels = common[level]
+        integrals[receiver] = LineIntegrals(
+            frequency,
+            d,
+            np.concatenate([each.integral for each in tables]),
+            own_blocks,
+            levels,
+            np.array([each.error for each in tables]),
+        )
+    return integrals
+
+
+class _Block(NamedTuple):
+    """The rows of `LineIntegrals` that belong to one block."""
+
+    block: int
+    level: int
+    error: float
+    frequency: np.ndarray
+    integral: np.ndarray
+
+
+def _block(
+    receivers: Mapping[Receiver, TransferFunction],
+    distance: np.ndarray,
+    block: int,
+    tolerance: float,
+    beyond: int,
+) -> dict[Receiver, _Block]:
+    """Tabulate one block, each receiver `beyond` levels above the first that passes its check."""
+    own = {
+        each: TransferFunction([function.blocks[block]], function.track)
+        for each, function in receivers.items()
+    }
+    level = {each: function.blocks[block].level for each, function in own.items()}
+    passed: dict[Receiver, int] = {}
+    made: dict[Receiver, _Block] = {}
+    while len(made) < len(own):
+        # All that are at one level together: they share their nodes, and so much of the work.
+        now = min(level[each] for each in own if each not in made)
+        some = {each: own[each] for each in own if each not in made and level[each] == now}
+        ks, halfway = blocks.indices(block, now), blocks.halfway(block, now, _CHECKS)
+        f, between = blocks.frequency(now, ks), blocks.frequency(now + 1, halfway)
+        for receiver, value in _at_level(some, distance, block, now, ks, halfway).items():
+            tabulated, direct = value[: f.size], value[f.size :]
+            interpolated = blocks.interpolated(block, now, between, tabulated)
+            error = float((np.abs(interpolated - direct) / direct[:, :1]).max())
+            if error <= _SHARE * tolerance or now >= max(_MOST_LEVELS, own[receiver].blocks[block].level):
+                passed.setdefault(receiver, now)
+            if receiver in passed and now >= passed[receiver] + beyond:
+                made[receiver] = _Block(block, now, error, f, tabulated)
+            level[receiver] += 1
+    return made
+
+
+def _at_level(
+    receivers: Mapping[Receiver, TransferFunction],
+    distance: np.ndarray,
+    block: int,
+    level: int,
+    ks: np.ndarray,
+    halfway: np.ndarray,
+) -> dict[Receiver, np.ndarray]:
+    """Return M(d, f) at frequencies of a level and then at some of the next, (n, distances)."""
+    f = np.concatenate([blocks.frequency(level, ks), blocks.frequency(level + 1, halfway)])
+    integral: dict[Receiver, np.ndarray] = {}
+    with cost.stage("line integrals") as spent:
+        for members, _block, _all in same_nodes(receivers, f):
+            value = np.empty((len(members), f.size, receivers[members[0]].blocks[block].transfer.shape[1]))
+            for out, each in zip(value, members, strict=True):
+                squared_at(receivers[each], block, level, ks, out[: ks.size])
+                squared_at(receivers[each], block, level + 1, halfway, out[ks.size :])
+                receivers[each].blocks[block].forget_reduced()
+            edge = receivers[members[0]].blocks[block].nodes.panel_edges(f)
+            integral |= zip(members, _integrals(edge, value, distance), strict=True)
+            spent.evaluations += value.size
+            spent.kernel_calls += len(members)
+    return integral
+
+
+def directly(
+    receivers: Mapping[Receiver, TransferFunction],
+    distances: npt.ArrayLike,
+    frequency: npt.ArrayLike,
+) -> dict[Receiver, np.ndarray]:
+    """Return M(d, f) of some receivers, computed at the frequencies themselves.
+
+    Parameters
+    ----------
+    receivers
+        The receivers' tabulated transfer functions.
+    distances
+        Distances d ≥ 0 between axles, m, ascending.
+    frequency
+        Frequencies, Hz, (n,), inside the tables.
+
+    Returns
+    -------
+    dict of ndarray, shape (n, distances)
+        m³/N².
+    """
+    f = np.asarray(frequency, float)
+    d = np.asarray(distances, float)
+    integral = {receiver: np.empty((f.size, d.size)) for receiver in receivers}
+    with cost.stage("line integrals") as spent:
+        for start in range(0, f.size, _AT_ONCE):
+            here = np.arange(start, min(start + _AT_ONCE, f.size))
+            for members, block, own in same_nodes(receivers, f[here]):
+                rows = here[own]
+                value = squared([receivers[each] for each in members], block, f[rows])
+                edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
+                for receiver, each in zip(members, _integrals(edge, value, d), strict=True):
+                    integral[receiver][rows] = each
+                spent.evaluations += value.size
+                spent.kernel_calls += len(members)
+    return integral
+
+
+def _integrals(edge: np.ndarray, value: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """Return M from |H̃|² on nodes, (receivers, lines, node): (receivers, lines, distances)."""
+    found = np.zeros((value.shape[1], value.shape[0], distance.size))
+    sine = np.zeros((value.shape[0], distance.size))
+    _cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), distance, found, sine)
+    return found.swapaxes(0, 1) / np.pi
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _cosine_integrals(edge, value, distance, out, sine):
+    """Add ∫ |H̃|² cos(βd) dβ over all panels with something in them to `out` (lines, receivers, distances).
+
+    `sine`, (receivers, distances), is room for what nobody asks for.
+    """
+    receivers, lines, panels, _ = value.shape
+    kept_value = np.empty((receivers, panels, ORDER))
+    centre = np.empty(panels)
+    half = np.empty(panels)
+    needed = np.empty((receivers, panels), np.bool_)
+    for i in range(lines):
+        for q in range(receivers):
+            _mark_panels(edge[i], value[q, i], needed[q])
+        kept = 0
+        for p in range(panels):
+            wanted = False
+            for q in range(receivers):
+                wanted |= needed[q, p]
+            if not wanted:
+                continue
+            half[kept] = 0.5 * (edge[i, p + 1] - edge[i, p])
+            centre[kept] = 0.5 * (edge[i, p + 1] + edge[i, p])
+            for q in range(receivers):
+                # Nothing where another receiver alone needs the panel: none depends on the others.
+                for j in range(ORDER):
+                    kept_value[q, kept, j] = value[q, i, p, j] if needed[q, p] else 0.0
+            kept += 1
+        fourier_integrals(centre[:kept], half[:kept], kept_value, distance, out[i], sine)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mark_panels(edge, value, needed):
+    """Mark the panels with more than a negligible share of one receiver's ∫ |H̃|² dβ."""
+    total = 0.0
+    for p in range(needed.shape[0]):
+        total += _most(edge, value, p)
+    for p in range(needed.shape[0]):
+        needed[p] = _most(edge, value, p) > _NEGLIGIBLE * total
+
+
+@numba.njit(forceinline=True, error_model="numpy")
+def _most(edge, value, p):
+    """Return an upper bound of ∫ |H̃|² dβ over a panel."""
+    most = 0.0
+    for j in range(ORDER):
+        most = max(most, value[p, j])
+    return most * (edge[p + 1] - edge[p])

@@ -1,0 +1,122 @@
+"""The moving-roughness approach: the train stands, the roughness is pulled through under its wheels.
+
+Averaged over the whole line, the response to forces P_l needs the transfer function only through
+
+    M(d, f) = (1/π) ∫₀^∞ |H̃(β, f)|² cos(βd) dβ
+
+at the distances d between axles (Parseval): independent of speed, and computed once for every speed and both
+forms of the approach.
+"""
+
+from collections.abc import Mapping
+
+import numba
+import numpy as np
+
+from railvib.transfer.table import Receiver
+
+
+def spans(axle_position: np.ndarray) -> np.ndarray:
+    """Return the distances between any two axles at α, each once, ascending from 0, m."""
+    return np.unique(np.round(np.abs(axle_position[:, None] - axle_position[None, :]), 9))
+
+
+def axle_pairs(integral: np.ndarray, distance: np.ndarray, axle_position: np.ndarray) -> np.ndarray:
+    """Return M(α_l − α_m, f) for every two axles, (lines, axles, axles), m³/N².
+
+    Parameters
+    ----------
+    integral, distance
+        M(d, f), m³/N², (lines, distances), and d ≥ 0, m, ascending.
+    axle_position
+        α, m, (axles,).
+    """
+    return np.asarray(integral[:, _columns(distance, axle_position)])
+
+
+def _columns(distance: np.ndarray, axle_position: np.ndarray) -> np.ndarray:
+    """Return which of ascending distances every two axles have, (axles, axles)."""
+    between = np.round(np.abs(axle_position[:, None] - axle_position[None, :]), 9)
+    return np.asarray(np.searchsorted(distance, between - 1e-8))
+
+
+def products(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Return ∫ u_p* u_q dx of the displacements that several sets of forces make.
+
+    Parameters
+    ----------
+    pairs
+        ∫ H*(x − α_l) H(x − α_m) dx for every two axles, (lines, axles, axles), m³/N²: over the whole line
+        from `axle_pairs`, over the train from `railvib.psd.train_average`.
+    force
+        Forces at the axles, complex (lines, axles, sets), N.
+
+    Returns
+    -------
+    ndarray of complex, shape (lines, sets, sets)
+        Σ_lm P_lp* P_mq times the pair's integral, m³.
+    """
+    return np.asarray(force.conj().swapaxes(1, 2) @ _responses(pairs, force))
+
+
+def force_products(force: np.ndarray) -> np.ndarray:
+    """Return Σ_s P_ls* P_ms over sets of forces (lines, axles, sets): (lines, axles, axles), N²."""
+    return np.asarray(force.conj() @ force.swapaxes(1, 2))
+
+
+def line_means(
+    integrals: Mapping[Receiver, np.ndarray],
+    distance: np.ndarray,
+    axle_position: np.ndarray,
+    force: np.ndarray,
+) -> dict[Receiver, np.ndarray]:
+    """Return ∫ |u|² dx over the whole line of the displacements that sets of forces make, each alone.
+
+    Parameters
+    ----------
+    integrals, distance
+        M(d, f) of some receivers, m³/N², (lines, distances) each, and d ≥ 0, m, ascending.
+    axle_position
+        α, m, (axles,).
+    force
+        Forces at the axles, complex (lines, axles, sets), N.
+
+    Returns
+    -------
+    dict of ndarray, shape (lines,)
+        Σ_s Σ_lm P_ls* P_ms M(α_l − α_m), m³.
+
+    Notes
+    -----
+    M is real and even, so that only the real part of the forces' products counts, summed by distance.
+    """
+    parts = np.ascontiguousarray(force, complex).view(float)
+    summed = np.zeros((force.shape[0], distance.size))
+    _by_distance(parts, _columns(distance, axle_position), summed)
+    return {
+        receiver: np.asarray(np.einsum("fd,fd->f", integral, summed))
+        for receiver, integral in integrals.items()
+    }
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+def _by_distance(force, column, out):
+    """Add Σ_s Re P_ls* P_ms over the axles l and m at each distance to `out` (lines, distances).
+
+    Real and imaginary parts of the forces are in turn, (lines, axles, 2·sets).
+    """
+    lines, axles, parts = force.shape
+    for i in range(lines):
+        for k in range(axles):
+            for m in range(k + 1):
+                total = 0.0
+                for n in range(parts):
+                    total += force[i, k, n] * force[i, m, n]
+                out[i, column[k, m]] += total if m == k else 2.0 * total
+
+
+def _responses(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Return Σ_m pairs_lm P_mp; real integrals are spared the arithmetic of complex ones."""
+    if np.isrealobj(pairs):
+        return np.asarray(pairs @ np.ascontiguousarray(force).view(float)).view(complex)
+    return np.asarray(pairs @ force)

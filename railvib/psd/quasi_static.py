@@ -1,0 +1,84 @@
+"""The quasi-static response: that of a fixed point to the axle loads that move past it.
+
+It depends on neither unevenness nor approach: |S_0(f; 0)|²·2/T, with κ = −2πf/v.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from railvib import cost
+from railvib.numerics.vector_math import turned
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
+from railvib.transfer.table import TOP, Receiver, TransferFunction, nothing_beyond
+
+
+@dataclass(frozen=True)
+class QuasiStatic:
+    """PSDs of displacement from the moving axle loads at some receivers, on narrow-band lines."""
+
+    frequency: np.ndarray = field(
+        metadata={"dims": ("frequency",), "unit": "Hz", "description": "narrow-band lines"}
+    )
+    psd: np.ndarray = field(
+        metadata={
+            "dims": ("receiver", "frequency"),
+            "unit": "m2/Hz",
+            "description": "one-sided PSD of displacement",
+        }
+    )
+
+
+def quasi_static_spectra(
+    receivers: Mapping[Receiver, TransferFunction],
+    axle_position: np.ndarray,
+    axle_load: np.ndarray,
+    train_length: float,
+    speed: float,
+    frequency: np.ndarray,
+) -> dict[Receiver, np.ndarray]:
+    """Return PSDs of displacement at fixed points from the moving axle loads.
+
+    Parameters
+    ----------
+    receivers
+        The receivers' tabulated transfer functions, taken one by one.
+    axle_position, axle_load
+        α, m, and the loads, N, (axles,).
+    train_length
+        L, m; the passage takes T = L/v.
+    speed
+        m/s.
+    frequency
+        Receiving frequencies, Hz, (n,).
+
+    Returns
+    -------
+    dict of ndarray, shape (n,)
+        One-sided PSDs, m²/Hz.
+    """
+    kappa = 2.0 * np.pi * frequency / speed
+    with cost.stage("quasi-static") as spent:
+        load = turned(kappa[:, None] * axle_position) @ axle_load / speed
+        psd = {
+            receiver: np.abs(receivers[receiver].along(frequency, kappa) * load) ** 2
+            * 2.0
+            * speed
+            / train_length
+            for receiver in receivers
+        }
+        spent.evaluations += frequency.size * len(receivers)
+    return psd
+
+
+def highest_left(ground: Ground, track: Track, receiver: Receiver, speed: float) -> float:
+    """Return the frequency in Hz above which nothing is left of the response to loads at a speed in m/s.
+
+    Infinite for loads that a wave can follow, and where there is no way to the receiver.
+    """
+    distance = 0.0 if receiver == "rail" else max(float(receiver) - track.half_width, 0.0)
+    if TOP * speed >= ground.slowest_speed:
+        return np.inf
+    return nothing_beyond(distance) * speed / (2.0 * np.pi)

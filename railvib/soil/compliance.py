@@ -1,0 +1,126 @@
+"""Compliance of the ground under a strip and under a point, for any wavenumber, distance and frequency."""
+
+import numpy as np
+import numpy.typing as npt
+
+from railvib.errors import InputError
+from railvib.parameters.ground import Ground
+from railvib.soil.quadrature import strip_compliance_by_quadrature
+from railvib.soil.rational_fit import RationalFit, fit_flexibility
+from railvib.soil.strip import strip_compliances
+
+_FIT_TOLERANCE = 3e-12
+"""Tighter than the tables' fits: one value can afford it, and far out C is 1e-6 of what it is at the load."""
+_ACCEPTED = 1e-6
+_WAVENUMBER_TIMES_DISTANCE = 40.0
+
+
+def _fit(ground: Ground, frequency: float, largest: float) -> RationalFit:
+    return fit_flexibility(ground, frequency, _FIT_TOLERANCE, largest=largest)
+
+
+def _positive(name: str, value: np.ndarray, unit: str) -> None:
+    if not np.all(np.isfinite(value)) or np.any(value <= 0.0):
+        raise InputError(f"{name} = {value[~(value > 0.0)].ravel()[:1]} {unit}: must be positive and finite")
+
+
+def line_compliance(
+    ground: Ground,
+    half_width: float,
+    wavenumber: npt.ArrayLike,
+    offset: npt.ArrayLike,
+    frequency: npt.ArrayLike,
+) -> np.ndarray:
+    """Return the ground's displacement beside a strip load that is harmonic along the track.
+
+    Parameters
+    ----------
+    ground
+        The layered ground.
+    half_width
+        Half the width b over which the load is uniform, m.
+    wavenumber
+        β along the track, rad/m.
+    offset
+        Distance y from the centre line, m; even.
+    frequency
+        Frequency, Hz, positive. The three broadcast.
+
+    Returns
+    -------
+    ndarray of complex
+        C(β, y, ω): displacement at y per unit force per length of track, m²/N.
+
+    Raises
+    ------
+    InputError
+        If the width or a frequency is not positive.
+
+    Notes
+    -----
+    CONVENTIONS section 2; the poles of a rational fit of Q33, and direct quadrature where it fails.
+    """
+    beta, y, f = np.broadcast_arrays(
+        np.asarray(wavenumber, float), np.asarray(offset, float), np.asarray(frequency, float)
+    )
+    _positive("half_width", np.asarray(half_width, float).reshape(1), "m")
+    _positive("frequency", f.ravel(), "Hz")
+    out = np.empty(beta.shape, complex)
+    for each in np.unique(f):
+        fit = _fit(ground, float(each), 0.0)
+        for distance in np.unique(np.abs(y[f == each])):
+            here = (f == each) & (np.abs(y) == distance)
+            if fit.error <= _ACCEPTED:
+                real, imag = strip_compliances(
+                    np.abs(beta[here]), fit.pole, fit.residue, fit.constant, half_width, np.array([distance])
+                )
+                out[here] = real[0] + 1j * imag[0]
+            else:
+                out[here] = [
+                    strip_compliance_by_quadrature(ground, half_width, b, [distance], float(each))[0]
+                    for b in beta[here]
+                ]
+    return out[()]
+
+
+def ground_green_function(ground: Ground, distance: npt.ArrayLike, frequency: npt.ArrayLike) -> np.ndarray:
+    """Return the vertical surface displacement beside a vertical point load on the surface.
+
+    Parameters
+    ----------
+    ground
+        The layered ground.
+    distance
+        Distance r from the load, m, positive.
+    frequency
+        Frequency, Hz, positive. Both broadcast.
+
+    Returns
+    -------
+    ndarray of complex
+        u_z(r) per unit force, m/N.
+
+    Raises
+    ------
+    InputError
+        If a distance or a frequency is not positive.
+
+    Notes
+    -----
+    (1/2π) ∫ Q33 J0(ρr) ρ dρ = Σ_j a_j K0(√(−z_j) r)/(2π).
+    """
+    from scipy.special import kv  # slow to import, and not needed by a run
+
+    r, f = np.broadcast_arrays(np.asarray(distance, float), np.asarray(frequency, float))
+    _positive("distance", r.ravel(), "m")
+    _positive("frequency", f.ravel(), "Hz")
+    out = np.empty(r.shape, complex)
+    for each in np.unique(f):
+        here = f == each
+        fit = _fit(ground, float(each), _WAVENUMBER_TIMES_DISTANCE / float(r[here].min()))
+        if fit.error > _ACCEPTED:
+            raise ArithmeticError(
+                f"the ground's flexibility at {each:g} Hz was fitted to {fit.error:.1e} only"
+            )
+        out[here] = kv(0, np.sqrt(-fit.pole) * r[here][:, None]) @ fit.residue / (2.0 * np.pi)
+    return out[()]

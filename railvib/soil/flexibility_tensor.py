@@ -1,0 +1,123 @@
+"""Flexibility of the ground's surface for stresses in all three directions, in the wavenumber domain.
+
+A horizontal wave vector (β, γ) of length ρ decouples the surface: along it and downwards move P and SV waves,
+across it SH waves. With e_r = (β, γ)/ρ and e_t = (−γ, β)/ρ,
+
+    u_r = q_rr p_r + q_rz p_z        u_z = −q_rz p_r + q_zz p_z        u_t = q_tt p_t
+
+for stresses p on the surface, positive along x, y and downwards. All follow from functions of ρ² that are
+smooth at ρ = 0: q_zz (which is Q33), q_rr, q_tt, q_d = (q_rr − q_tt)/ρ² and q_c = q_rz/(iρ),
+
+    Q_xx = q_tt + β² q_d    Q_xy = βγ q_d    Q_yy = q_tt + γ² q_d    Q_xz = iβ q_c    Q_yz = iγ q_c
+
+with Q_zx = −Q_xz and Q_zy = −Q_yz. Symbols as in `railvib.soil.flexibility`; see docs/theory/ground.md.
+"""
+
+import cmath
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from railvib.errors import InputError
+from railvib.parameters.ground import Ground
+from railvib.soil.flexibility import psv_flexibility
+
+ZZ, RR, TT, RZ = range(4)
+"""Columns of `surface_components`."""
+
+
+@numba.njit(cache=True, error_model="numpy")
+def sh_flexibility(r, omega, stack, rigid):
+    """Return q_tt of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa]; `stack` is that of `Ground`."""
+    q = 0j  # displacement per stress on the top of what lies below
+    last = stack.shape[0] - 1
+    for layer in range(last, -1, -1):
+        cs = stack[layer, 0]
+        loss = 1.0 + 1j * stack[layer, 3] if omega > 0.0 else 1.0 + 0j
+        m = stack[layer, 2] * cs * cs * loss
+        s = cmath.sqrt(r * r - omega * omega / (cs * cs * loss))
+        if layer == last and not rigid:
+            q = 1.0 / (m * s)
+            continue
+        # tanh(sh)/s, also where s vanishes.
+        h = stack[layer, 4]
+        x = s * h
+        if abs(x) < 1e-3:
+            t = h * (1.0 - x * x / 3.0 * (1.0 - 0.4 * x * x))
+        else:
+            e = cmath.exp(-2.0 * x)
+            t = (1.0 - e) / (1.0 + e) / s
+        q = (q + t / m) / (1.0 + q * m * s * s * t)
+    return q
+
+
+@numba.njit(cache=True, error_model="numpy")
+def surface_components(r, omega, stack, rigid):
+    """Return q_zz, q_rr, q_tt and q_rz/i of many wavenumbers r (n,), all at one frequency, as (4, n)."""
+    out = np.empty((4, r.shape[0]), np.complex128)
+    for i in range(r.shape[0]):
+        q11, q12, q21, q22 = psv_flexibility(r[i], omega, stack, rigid)
+        out[ZZ, i] = -q22
+        out[RR, i] = -q11
+        out[TT, i] = sh_flexibility(r[i], omega, stack, rigid)
+        # Equal by reciprocity; their mean loses no digit.
+        out[RZ, i] = -0.5 * (q12 + q21)
+    return out
+
+
+def ground_flexibility_tensor(
+    ground: Ground, wavenumber_x: npt.ArrayLike, wavenumber_y: npt.ArrayLike, frequency: npt.ArrayLike
+) -> np.ndarray:
+    """Return the surface's displacements per unit surface stresses, all nine.
+
+    Parameters
+    ----------
+    ground
+        The layered ground.
+    wavenumber_x, wavenumber_y
+        β along the track and γ across it, rad/m.
+    frequency
+        Frequency, Hz; negative values give what real signals need, zero the undamped static value. The three
+        broadcast.
+
+    Returns
+    -------
+    ndarray of complex, shape (…, 3, 3)
+        m/Pa: the displacement along the axis of the row per stress along the axis of the column, in the order
+        x, y, z with z downward.
+
+    Raises
+    ------
+    InputError
+        If both wavenumbers and the frequency are zero on a half-space.
+
+    Notes
+    -----
+    P-SV by the recursion of `ground_flexibility`, SH by that of Haskell (1953) in hyperbolic tangents.
+    Q(β, γ, −ω) is the conjugate of Q(−β, −γ, ω).
+    """
+    beta, gamma, f = np.broadcast_arrays(
+        np.asarray(wavenumber_x, float), np.asarray(wavenumber_y, float), np.asarray(frequency, float)
+    )
+    r = np.hypot(beta, gamma)
+    if ground.base == "half-space" and np.any((r == 0.0) & (f == 0.0)):
+        raise InputError("wavenumbers and frequency are all 0: a half-space yields without bound")
+    stack = ground.stack()
+    q = np.empty((4, *r.shape), complex)
+    for value in np.unique(np.abs(f)):
+        here = np.abs(f) == value
+        omega = 2.0 * np.pi * float(value)
+        q[:, here] = surface_components(r[here], omega, stack, ground.base == "rigid")
+    q = np.where(f < 0.0, q.conj(), q)
+    with np.errstate(invalid="ignore"):
+        c, s = np.where(r > 0.0, beta / r, 1.0), np.where(r > 0.0, gamma / r, 0.0)
+    tensor = np.empty((*r.shape, 3, 3), complex)
+    tensor[..., 0, 0] = c * c * q[RR] + s * s * q[TT]
+    tensor[..., 1, 1] = s * s * q[RR] + c * c * q[TT]
+    tensor[..., 0, 1] = tensor[..., 1, 0] = c * s * (q[RR] - q[TT])
+    tensor[..., 2, 2] = q[ZZ]
+    for axis, share in enumerate((c, s)):
+        tensor[..., axis, 2] = 1j * share * q[RZ]
+        tensor[..., 2, axis] = -1j * share * q[RZ]
+    return tensor

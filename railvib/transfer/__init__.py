@@ -1,0 +1,1 @@
+"""Tables of the transfer functions of track and ground over frequency and wavenumber."""

@@ -1,0 +1,215 @@
+"""Interpolation in tables of transfer functions at scattered pairs of frequency and wavenumber.
+
+Lagrange in ln f, polynomial in a panel of wavenumbers. Points are taken some at a time, whichever blocks they
+lie in, so that all that leads to their weights runs in vector registers; then every point is a short sum over
+rows of its table.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
+
+from railvib.numerics.frequency_blocks import HALO, PER_DECADE, SHIFT, STENCIL, STEPS
+from railvib.numerics.vector_math import LANES, exp, log
+from railvib.numerics.wavenumber_panels import ORDER, panel_weights, stencil_weights
+
+_DECADE = np.log(10.0)
+_WIDTH = 8
+"""Numbers of a vector register, here; the compiler makes of it what the processor has."""
+
+
+class Tables(NamedTuple):
+    """Tables of one function over neighbouring blocks, end to end, as compiled kernels read them."""
+
+    value: np.ndarray
+    """Row by row, real and imaginary parts in turn."""
+    first_block: int
+    place: np.ndarray
+    """Per block: where its values and its edges start, number of rows, of numbers in a row, and of edges."""
+    steps: np.ndarray
+    """Frequencies per block."""
+    edge: np.ndarray
+    """The panels' edges in u."""
+    dense: np.ndarray
+    """Per block β at u = 1 over the frequency, rad/m/Hz, and its logarithm."""
+    largest: np.ndarray
+    """Logarithm of β at u = 2."""
+
+
+class Rows(NamedTuple):
+    """The table of one block: what `Tables` are made of."""
+
+    block: int
+    level: int
+    top_slowness: float
+    largest: float
+    edge: np.ndarray
+    value: np.ndarray
+    """Complex (frequency, node)."""
+
+
+def joined(rows: Sequence[Rows]) -> Tables:
+    """Return tables of neighbouring blocks, ascending, as one."""
+    flat = [np.ascontiguousarray(each.value, complex).view(float).ravel() for each in rows]
+    edges = [each.edge for each in rows]
+    starts = np.cumsum([0] + [each.size for each in flat])
+    edge_starts = np.cumsum([0] + [each.size for each in edges])
+    place = [
+        (starts[i], edge_starts[i], each.value.shape[0], 2 * each.value.shape[1], each.edge.size)
+        for i, each in enumerate(rows)
+    ]
+    dense = 2.0 * np.pi * np.array([each.top_slowness for each in rows])
+    return Tables(
+        flat[0] if len(flat) == 1 else np.concatenate(flat),
+        rows[0].block,
+        np.array(place, np.int64),
+        STEPS * 2.0 ** np.array([each.level for each in rows]),
+        np.concatenate(edges),
+        np.stack([dense, np.log(dense)]),
+        np.log([each.largest for each in rows]),
+    )
+
+
+def interpolated(tables: Tables, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
+    """Return what tables give at frequencies in Hz and wavenumbers in rad/m from 0 to their largest."""
+    out = np.empty(frequency.size, complex)
+    _interpolated(tables, frequency.ravel(), wavenumber.ravel(), out)
+    return out.reshape(frequency.shape)
+
+
+_STENCIL_AT = 7
+_BASIS_AT = _STENCIL_AT + STENCIL
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _interpolated(tables, frequency, wavenumber, out):
+    """Interpolate at points; the last ones fill up what goes through the loops together."""
+    room = np.empty((_BASIS_AT + ORDER, LANES))
+    start = np.empty(LANES, np.int64)
+    width = np.empty(LANES, np.int64)
+    stencil = room[_STENCIL_AT:_BASIS_AT]
+    basis = room[_BASIS_AT:]
+    points = frequency.shape[0]
+    for first in range(0, points, LANES):
+        for i in range(LANES):
+            own = min(first + i, points - 1)
+            room[0, i] = frequency[own]
+            room[1, i] = wavenumber[own]
+        for i in range(LANES):
+            room[2, i] = log(room[0, i])
+            room[3, i] = log(max(room[1, i], 1e-200))
+        _find(tables, room, start, width)
+        for i in range(LANES):
+            # From u to β at both ends of the panel: proportional up to u = 1, beyond geometric.
+            low = min(room[5, i], 1.0) * exp(max(room[5, i] - 1.0, 0.0) * room[3, i])
+            high = min(room[6, i], 1.0) * exp(max(room[6, i] - 1.0, 0.0) * room[3, i])
+            room[4, i] = (2.0 * room[4, i] - low - high) / (high - low)
+        stencil_weights(np.int64(LANES), room[2], stencil, room[3])
+        panel_weights(np.int64(LANES), room[4], basis, room[3])
+        for i in range(min(LANES, points - first)):
+            out[first + i] = _weighted(tables.value, start[i], width[i], room, i)
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _find(tables, room, start, width):
+    """Find the rows and the panel of every point.
+
+    `room` holds frequencies, wavenumbers, and the logarithms of both; then, from 2 on, where points lie among
+    their rows, the logarithm of the largest β over that at u = 1, β over that at u = 1, and the panel's edges
+    in u.
+    """
+    p = 0
+    for i in range(LANES):
+        at = (room[2, i] / _DECADE - SHIFT) * PER_DECADE
+        block = min(max(int(np.floor(at + 1e-9)) - tables.first_block, 0), tables.steps.shape[0] - 1)
+        value_start, edge_start, rows, numbers, edges = tables.place[block]
+        at = (at - (block + tables.first_block)) * tables.steps[block] + HALO
+        row = min(max(int(np.floor(at)) - STENCIL // 2 + 1, 0), rows - STENCIL)
+        logarithm = room[2, i] + tables.dense[1, block]
+        octaves = tables.largest[block] - logarithm
+        u = room[1, i] / (room[0, i] * tables.dense[0, block])
+        room[4, i] = u
+        if u > 1.0:
+            u = min(1.0 + (room[3, i] - logarithm) / octaves, 2.0)
+        room[2, i] = at - row
+        room[3, i] = octaves
+        # Points come in order, more or less: the panel is near that of the point before.
+        p = min(p, edges - 2)
+        while p > 0 and u < tables.edge[edge_start + p]:
+            p -= 1
+        while p < edges - 2 and u > tables.edge[edge_start + p + 1]:
+            p += 1
+        room[5, i] = tables.edge[edge_start + p]
+        room[6, i] = tables.edge[edge_start + p + 1]
+        start[i] = value_start + row * numbers + 2 * ORDER * p
+        width[i] = numbers
+
+
+@intrinsic
+def _weighted(typingctx, value, start, width, room, i):
+    """Return Σ_m stencil_m Σ_j basis_j value[start + m·width + 2j …], real and imaginary part.
+
+    The weights are those of point `i` in the room of `_interpolated`. The sums over rows stay in vector
+    registers, which no compiler finds by itself for so many numbers.
+    """
+
+    def codegen(context, builder, signature, args):
+        double, number = ir.DoubleType(), ir.IntType(64)
+        vector = ir.VectorType(double, _WIDTH)
+        pairs = ir.VectorType(double, _WIDTH // 2)
+
+        def data(which):
+            return context.make_array(signature.args[which])(context, builder, args[which]).data
+
+        def index(k):
+            return ir.Constant(ir.IntType(32), k)
+
+        def shuffled(one, other, order):
+            return builder.shuffle_vector(
+                one, other, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order)
+            )
+
+        def weight(row):
+            place = builder.add(ir.Constant(number, row * LANES), args[4])
+            return builder.load(builder.gep(data(3), [place]))
+
+        def multiply_add(one, other, added):
+            product = builder.fmul(one, other, flags=("contract",))
+            return builder.fadd(product, added, flags=("contract",))
+
+        parts = 2 * ORDER // _WIDTH
+        sums = [ir.Constant(vector, [0.0] * _WIDTH)] * parts
+        row = builder.gep(data(0), [args[1]])
+        for m in range(STENCIL):
+            lone = builder.insert_element(
+                ir.Constant(vector, ir.Undefined), weight(_STENCIL_AT + m), index(0)
+            )
+            w = shuffled(lone, lone, [0] * _WIDTH)
+            for c in range(parts):
+                place = builder.gep(row, [ir.Constant(number, _WIDTH * c)])
+                found = builder.load(builder.bitcast(place, vector.as_pointer()), align=8)
+                sums[c] = multiply_add(w, found, sums[c])
+            row = builder.gep(row, [args[2]])
+        total = ir.Constant(vector, [0.0] * _WIDTH)
+        for c in range(parts):
+            own = ir.Constant(pairs, ir.Undefined)
+            for k in range(_WIDTH // 2):
+                own = builder.insert_element(own, weight(_BASIS_AT + _WIDTH // 2 * c + k), index(k))
+            twice = shuffled(own, own, [k // 2 for k in range(_WIDTH)])
+            total = multiply_add(twice, sums[c], total)
+        size = _WIDTH
+        while size > 2:
+            size //= 2
+            halves = (list(range(size)), list(range(size, 2 * size)))
+            total = builder.fadd(*(shuffled(total, total, half) for half in halves))
+        found = context.make_complex(builder, types.complex128)
+        found.real = builder.extract_element(total, index(0))
+        found.imag = builder.extract_element(total, index(1))
+        return found._getvalue()
+
+    return types.complex128(value, types.int64, types.int64, room, types.int64), codegen

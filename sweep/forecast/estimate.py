@@ -1,0 +1,252 @@
+"""What a run will take, told before anything runs, and refused where this machine cannot give it."""
+
+import shutil
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from railvib.errors import InputError
+from sweep import units
+from sweep.forecast import work
+from sweep.forecast.pilot import Rates
+from sweep.kinds import Inputs, Unit
+from sweep.run import Request
+from sweep.storage.cache import CACHE_BYTES
+
+MARGIN = 1.15
+"""On the memory that arrays take, for what lies between them."""
+FIRST_BYTES = 16 * 2**20
+"""What a worker that has been idle touches for the first time when it computes, however little that is."""
+CACHE_SHARE = 2
+"""What results that a worker keeps take at most, over their arrays as stored: what is derived stays too."""
+DATABASE_SHARE = 1.5
+"""Disk that a run takes over that of its arrays: records and the database."""
+LONGEST_S = 365.25 * 86400.0
+"""Wall seconds beyond which a run is refused."""
+
+DEPENDS: Mapping[str, tuple[str, ...]] = {
+    "transfer": ("soil", "track", "offsets_m"),
+    "receptance": ("soil", "track", "train", "speed_kmh"),
+    "moving_transfer": ("soil", "track", "speed_kmh"),
+    "line_integrals": ("soil", "track", "train", "offsets_m"),
+    "quasi_static": ("soil", "track", "train", "speed_kmh"),
+    "train_integrals": ("soil", "track", "train", "offsets_m"),
+    "spectra": ("soil", "track", "train", "unevenness", "speed_kmh"),
+}
+"""By kind, the axes of a study with which the number of its units grows."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What is missing of a study will take.
+
+    Attributes
+    ----------
+    tasks
+        How many there are.
+    bytes
+        Of their results in the store.
+    peak_memory_bytes
+        Of a worker, at most.
+    cpu_s
+        Processor seconds of the workers.
+    pilot_s
+        Processor seconds of the pilot that the rates are from.
+    """
+
+    tasks: int = 0
+    bytes: int = 0
+    peak_memory_bytes: int = 0
+    cpu_s: float = 0.0
+    pilot_s: float = 0.0
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The numbers as the manifest has them."""
+        return asdict(self)
+
+
+def estimate(request: Request, rates: Rates) -> Estimate:
+    """Return what the missing tasks of a request will take on this machine."""
+    plan = request.plan
+    if not plan.tasks:
+        return Estimate()
+    stored = sum(_sizes(request).values())
+    memory = max(_memory(task.units) for task in plan.tasks.values())
+    needed = sum(units.KINDS[unit.kind].size(unit.inputs) for unit in plan.units.values())
+    held = CACHE_SHARE * min(CACHE_BYTES, needed)
+    return Estimate(
+        tasks=len(plan.tasks),
+        bytes=stored,
+        peak_memory_bytes=int(rates.idle_bytes + FIRST_BYTES + MARGIN * (held + memory)),
+        cpu_s=sum(_cpu(request, rates).values()),
+        pilot_s=rates.pilot_s,
+    )
+
+
+def check(
+    request: Request, planned: Estimate, rates: Rates, directory: Path, workers: int | None, memory: int
+) -> None:
+    """Refuse a request that cannot fit.
+
+    Parameters
+    ----------
+    request, planned, rates
+        The study, what it takes, and the rates that this rests on.
+    directory
+        Where results go.
+    workers
+        Processes on this machine that compute; None where others do, of whose memory nothing is known.
+    memory
+        Of this machine, bytes.
+
+    Raises
+    ------
+    InputError
+        Naming what is short, and the axis to cut.
+    """
+    if not planned.tasks:
+        return
+    place = _nearest(directory)
+    free = shutil.disk_usage(place).free
+    wanted = DATABASE_SHARE * planned.bytes
+    if wanted > free:
+        raise InputError(
+            f"{_largest_axis(request, _sizes(request))} makes most of {_bytes(wanted)} of results; "
+            f"{place} has {_bytes(free)} free: cut that axis, or choose another place"
+        )
+    if workers is None:
+        return
+    each, there = _bytes(planned.peak_memory_bytes), _bytes(memory)
+    if planned.peak_memory_bytes > memory:
+        raise InputError(
+            f"{_hungriest(request)} makes a worker need {each} of memory; this machine has {there}: "
+            "cut that axis"
+        )
+    if workers * planned.peak_memory_bytes > memory:
+        raise InputError(
+            f"--workers = {workers}: each may need {each} of memory, and this machine has {there}; "
+            f"must be at most {memory // planned.peak_memory_bytes}"
+        )
+    wall = planned.cpu_s / workers
+    if wall > LONGEST_S:
+        raise InputError(
+            f"{_largest_axis(request, _cpu(request, rates))} makes most of {_duration(planned.cpu_s)} of "
+            f"processor time, {_duration(wall)} with --workers = {workers}; must be at most a year: "
+            "cut that axis"
+        )
+
+
+def describe(request: Request, planned: Estimate, directory: Path, workers: int | None) -> str:
+    """Return the plan in plain lines: cases, tasks, what is there already, bytes, memory and time."""
+    axes = request.resolved.study.sweep
+    counts = [
+        f"{len(values)} {name}"
+        for name, values in (
+            ("soils", axes.soil),
+            ("tracks", axes.track),
+            ("trains", axes.train),
+            ("unevennesses", axes.unevenness),
+            ("speeds", axes.speed_kmh),
+        )
+    ]
+    plan = request.plan
+    approaches = request.resolved.study.approaches.compare
+    lines = [
+        f"study       {request.resolved.study.study.name}, to {directory}",
+        f"cases       {len(request.cases)} ({' x '.join(counts)})",
+        f"approaches  {len(approaches)} ({', '.join(approaches)})",
+        f"results     {len(plan.units)} needed, {len(plan.units) - len(plan.missing)} there already",
+    ]
+    if not plan.tasks:
+        return "\n".join([*lines, "tasks       none: everything is there"])
+    kinds = Counter(task.units[-1].kind for task in plan.tasks.values())
+    each = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    wall = f", {_duration(planned.cpu_s / workers)} with {workers} workers" if workers else ""
+    return "\n".join(
+        [
+            *lines,
+            f"tasks       {len(plan.tasks)} ({each})",
+            f"store       {_bytes(planned.bytes)} to write",
+            f"memory      {_bytes(planned.peak_memory_bytes)} per worker at most",
+            f"processor   {_duration(planned.cpu_s)}{wall}, from a pilot of {planned.pilot_s:.1f} s",
+        ]
+    )
+
+
+def _sizes(request: Request) -> Counter[str]:
+    """Return the bytes that are missing, by kind."""
+    found: Counter[str] = Counter()
+    for identity in request.plan.missing:
+        unit = request.plan.units[identity]
+        found[unit.kind] += units.KINDS[unit.kind].size(unit.inputs)
+    return found
+
+
+def _cpu(request: Request, rates: Rates) -> Counter[str]:
+    """Return the processor seconds of what is missing, by kind."""
+    found: Counter[str] = Counter()
+    for task in request.plan.tasks.values():
+        found[task.units[0].kind] += rates.of(*work.amounts(task.units))  # type: ignore[assignment]
+    return found
+
+
+def _memory(task: tuple[Unit, ...]) -> int:
+    """Estimate what computing a task needs, by its units that need most."""
+    kind = units.KINDS[task[0].kind]
+    return sum(sorted((kind.memory(unit.inputs) for unit in task), reverse=True)[: kind.at_once])
+
+
+def _largest_axis(request: Request, by_kind: Mapping[str, float]) -> str:
+    """Return the axis without whose values but one the least would be left, with how many it has."""
+    study = request.resolved.study
+    values: dict[str, Any] = {
+        **{name: getattr(study.sweep, name) for name in type(study.sweep).model_fields},
+        "offsets_m": study.receivers.offsets_m,
+    }
+
+    def saved(axis: str) -> float:
+        part = sum(amount for kind, amount in by_kind.items() if axis in DEPENDS.get(kind, ()))
+        return part * (1.0 - 1.0 / max(len(values[axis]), 1))
+
+    axis = max(values, key=saved)
+    section = "receivers" if axis == "offsets_m" else "sweep"
+    return f"{section}.{axis} ({len(values[axis])} values)"
+
+
+def _hungriest(request: Request) -> str:
+    """Return the axis, and its value, that makes the task which needs most memory what it is."""
+    task = max(request.plan.tasks.values(), key=lambda task: _memory(task.units))
+    inputs: Inputs = task.units[0].inputs
+    resolved = request.resolved
+    if task.units[0].kind == "spectra" and units.matrices_memory(inputs) > 0.5 * _memory(task.units):
+        name = next(name for name, each in resolved.canonical["train"].items() if each == inputs["train"])
+        return f"sweep.train = {name!r} ({len(units.train_axles(inputs['train']).position)} axles)"
+    if resolved.study.receivers.offsets_m:
+        farthest = max(resolved.study.receivers.offsets_m)
+        return f"receivers.offsets_m = {farthest:g} m"
+    return f"frequency.maximum_hz = {resolved.study.frequency.maximum_hz:g} Hz"
+
+
+def _nearest(directory: Path) -> Path:
+    """Return the directory, or the nearest one above that exists."""
+    return next(path for path in (directory.absolute(), *directory.absolute().parents) if path.exists())
+
+
+def _bytes(count: float) -> str:
+    """Return a number of bytes with two digits and a unit."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if count < 1000.0:
+            return f"{count:.3g} {unit}"
+        count /= 1000.0
+    return f"{count:.3g} TB"
+
+
+def _duration(seconds: float) -> str:
+    """Return a time in the unit that suits it."""
+    for unit, size in (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"

@@ -1,0 +1,275 @@
+"""How fast this machine does each sort of work: measured once on a small study, and kept for later plans.
+
+The pilot runs tasks of the product itself in a process set up as a worker, and finds for each sort of task
+the rates at which its processor time follows its amounts of work (`sweep.forecast.work`), by least squares
+with rates that are not negative. They are kept in the user's cache directory, by host, model version,
+libraries and the code of the physics, as all of these change them.
+"""
+
+import hashlib
+import json
+import multiprocessing
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib import metadata, resources
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from railvib import library
+from railvib.numerics import frequency_blocks as blocks
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.ground import Ground
+from railvib.soil.fits import GroundFits
+from sweep import plan, study, units
+from sweep.forecast import work
+from sweep.host import host_class
+from sweep.kinds import Unit
+from sweep.running.task import Place, execute
+from sweep.storage import records
+from sweep.workers import compiling, forks
+
+LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
+_PLACES = 120
+
+
+@dataclass(frozen=True)
+class Rates:
+    """What a pilot found.
+
+    Attributes
+    ----------
+    cpu_s
+        Processor seconds per unit of each amount, by sort of task.
+    idle_bytes
+        Resident memory of a worker that has loaded everything and holds nothing.
+    pilot_s
+        Processor seconds that the pilot took.
+    """
+
+    cpu_s: Mapping[str, Mapping[str, float]]
+    idle_bytes: int
+    pilot_s: float
+
+    def of(self, sort: str, amounts: Mapping[str, float]) -> float:
+        """Return the processor seconds that a task of a sort takes."""
+        rates = self.cpu_s.get(sort, {})
+        return sum(rates.get(name, 0.0) * amount for name, amount in amounts.items())
+
+
+@cache
+def rates(finite_elements: bool = False) -> Rates:
+    """Return this machine's rates, measured now if they have not been; on demand with the FE/BE model's."""
+    found = _kept("pilot")
+    if not finite_elements:
+        return found
+    more = _kept("pilot-fe-be")
+    return Rates({**found.cpu_s, **more.cpu_s}, found.idle_bytes, found.pilot_s + more.pilot_s)
+
+
+def _kept(name: str) -> Rates:
+    """Return the rates of one of the pilots that are kept, or measure and keep them."""
+    path = compiling.cache_folder() / f"{name}-{_key()}.json"
+    with suppress(OSError, ValueError, TypeError):
+        return Rates(**json.loads(path.read_bytes()))
+    found = _measured_apart(name)
+    with suppress(OSError):  # a cache that cannot be written is none
+        path.parent.mkdir(parents=True, exist_ok=True)
+        aside = path.with_suffix(f".{os.getpid()}.partial")
+        aside.write_text(json.dumps(asdict(found)), encoding="utf-8")
+        aside.replace(path)
+    return found
+
+
+def _key() -> str:
+    """Return the digest of all that rates depend on."""
+    digest = hashlib.sha256()
+    for text in (socket.gethostname(), host_class(), sys.version, *map(metadata.version, LIBRARIES)):
+        digest.update(text.encode() + b"\0")
+    sources = [Path(str(resources.files(package))) for package in ("railvib", "sweep.forecast")]
+    for file in sorted(file for folder in sources for file in folder.rglob("*.py")):
+        digest.update(file.read_bytes())
+    digest.update(Path(str(units.__file__)).read_bytes())
+    return digest.hexdigest()[:32]
+
+
+def _measured_apart(name: str) -> Rates:
+    """Measure in a process of its own that is as a worker is: forked, or with its environment."""
+    if forks.running():
+        measured: Rates = forks.submit(PILOTS[name])()
+        return measured
+    from sweep.workers.dask_cluster import ENVIRONMENT
+
+    done = subprocess.run(
+        [sys.executable, "-m", "sweep.forecast.pilot", name],
+        env={**os.environ, **ENVIRONMENT, forks.KINDS: units.__name__},
+        stdout=subprocess.PIPE,
+        check=True,
+    )
+    return Rates(**json.loads(done.stdout))
+
+
+def measure() -> Rates:
+    """Run the pilot's tasks in this process, and return the rates."""
+    import sweep.workers.preloaded  # noqa: F401 - what a worker has loaded
+
+    compiling.load(units.__name__)  # a process that serves runs of other kinds may have been forked
+    idle = _resident()
+    began = time.process_time()
+    samples: dict[str, list[_Sample]] = {}
+    with tempfile.TemporaryDirectory(prefix="railvib-pilot-") as folder:
+        place = Place(folder, "pilot", units.__name__)
+        for task in _tasks():
+            sort, amounts = work.amounts(task)
+            samples.setdefault(sort, []).append(_timed(task, amounts, place))
+    return Rates(
+        {sort: _rates(sort, each) for sort, each in samples.items()}, idle, time.process_time() - began
+    )
+
+
+def _resident() -> int:
+    """Return the resident memory of this process, with what it shares and has not touched yet if forked."""
+    import psutil
+
+    process = psutil.Process()
+    forked_from = process.parent() if multiprocessing.parent_process() else None
+    return max(int(each.memory_info().rss) for each in (process, forked_from) if each is not None)
+
+
+def measure_fe_be() -> Rates:
+    """Evaluate the FE/BE model at some places, and return what one place costs."""
+    from railvib.fe_be.model import FeBeModel
+
+    units.warm_up_fe_be()
+    began = time.process_time()
+    ground, track = library.load("soil", "greby"), library.load("track", "ballasted-paper")
+    block, tolerance = 2, 1e-3
+    model = FeBeModel(ground, track, CrossSection(), block)
+    evaluate = model(GroundFits(ground, block, 1e-6 * tolerance), track, [8.0], tolerance)
+    beta = np.linspace(0.01, 6.0, _PLACES)
+    ks = blocks.indices(block, 0)
+    evaluate(0, int(ks[0]), beta)  # what is made once per block has been made
+    spent = time.process_time()
+    for k in ks[1:4]:
+        evaluate(0, int(k), beta)
+    spent = time.process_time() - spent
+    return Rates({work.FE_BE: {"values": spent / (3 * _PLACES)}}, 0, time.process_time() - began)
+
+
+class _Sample(NamedTuple):
+    """A task's amounts, and the processor seconds that it took: altogether and by stage."""
+
+    amounts: work.Amounts
+    total: float
+    stages: Mapping[str, float]
+
+
+def _timed(task: Sequence[Unit], amounts: work.Amounts, place: Place) -> _Sample:
+    """Run a task as a worker does, with all that goes into storing it."""
+    outcome = execute("pilot", task, place)
+    if outcome.status != "done":
+        raise RuntimeError(f"the pilot failed: {outcome.error}")
+    stages: dict[str, float] = {}
+    for unit in task:
+        record = records.find(place.directory, unit.kind, unit.id)
+        for spent in record["costs"] if record else ():
+            stages[spent["stage"]] = stages.get(spent["stage"], 0.0) + spent["cpu_s"]
+    return _Sample(amounts, outcome.cpu_s, stages)
+
+
+def _tasks() -> list[tuple[Unit, ...]]:
+    """Return tasks of small studies: two grounds, trains of 4 and 16 axles, near and far receivers."""
+    made: dict[str, tuple[Unit, ...]] = {}
+    for soil, train, offsets, band, averaging in (
+        ("horstwalde", "short", [8.0], (10.0, 12.5), ["line", "train"]),
+        ("horstwalde", "long", [8.0], (10.0, 12.5), ["line"]),
+        ("greby", "long", [8.0, 64.0], (8.0, 16.0), ["line"]),
+    ):
+        resolved = study.resolve(_study(soil, train, offsets, band, averaging))
+        (case,) = resolved.cases()
+        wanted = [units.spectra_unit(resolved, case, each) for each in resolved.study.approaches.compare]
+        tasks = plan.make(wanted, units.KINDS, set()).tasks
+        made |= {key: task.units for key, task in tasks.items() if key not in made}
+    layered = _split(library.load("soil", "greby"))
+    for block in (0, 2):
+        inputs = {"track": library.load("track", "ballasted-paper"), "block": block, "tolerance": 1e-4}
+        receivers = ("rail", 32.0)
+        made[f"{block}"] = tuple(
+            Unit.of("transfer", ground=layered, receiver=receiver, **inputs) for receiver in receivers
+        )
+    return list(made.values())
+
+
+def _study(
+    soil: str, train: str, offsets: list[float], band: tuple[float, float], averaging: list[str]
+) -> dict[str, Any]:
+    return {
+        "study": {"name": "pilot"},
+        "frequency": {"minimum_hz": band[0], "maximum_hz": band[1]},
+        "receivers": {"rail": True, "offsets_m": offsets},
+        "approaches": {
+            "compare": ["moving-roughness", "full"],
+            "reference": "full",
+            "averaging": averaging,
+        },
+        "sweep": {
+            "soil": [soil],
+            "track": ["ballasted-paper"],
+            "train": [train],
+            "unevenness": ["german-low"],
+            "speed_kmh": [60.0],
+        },
+        "train": {
+            "short": {"vehicle": "regina"},
+            "long": {"vehicles": [{"vehicle": "regina", "number": 4}]},
+        },
+    }
+
+
+def _split(ground: Any) -> Ground:
+    """Return a ground with each layer split in two: the same physics, and twice the work."""
+    halves = [
+        layer.model_copy(update={"thickness": layer.thickness / 2.0})
+        for layer in ground.layers[:-1]
+        for _ in range(2)
+    ]
+    return Ground(layers=(*halves, ground.layers[-1]))
+
+
+def _rates(sort: str, samples: Sequence[_Sample]) -> dict[str, float]:
+    """Return the rates of a sort of task: some amounts make a stage, the others all the rest."""
+    stages = work.STAGES.get(sort, {})
+    taken = {name for names in stages.values() for name in names}
+    rest = [name for name in samples[0].amounts if name not in taken]
+    found: dict[str, float] = {}
+    for stage, names in stages.items():
+        found |= _fitted(names, samples, [sample.stages.get(stage, 0.0) for sample in samples])
+    others = [sample.total - sum(sample.stages.get(stage, 0.0) for stage in stages) for sample in samples]
+    return found | _fitted(rest, samples, others)
+
+
+def _fitted(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[float]) -> dict[str, float]:
+    """Return rates, none negative, that come nearest to what tasks took; short ones count as much as long."""
+    from scipy.optimize import nnls  # slow to import, and a pilot is rare
+
+    amounts = np.array([[sample.amounts[name] for name in names] for sample in samples])
+    weight = 1.0 / np.maximum(spent, 0.1 * np.max(spent) + 1e-4)
+    scale = amounts.max(axis=0)
+    found, _ = nnls(amounts / scale * weight[:, None], np.asarray(spent) * weight)
+    return dict(zip(names, (found / scale).tolist(), strict=True))
+
+
+PILOTS = {"pilot": measure, "pilot-fe-be": measure_fe_be}
+"""What measures rates, by the name under which they are kept."""
+
+if __name__ == "__main__":
+    print(json.dumps(asdict(PILOTS[sys.argv[1]]())))

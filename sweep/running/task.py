@@ -1,0 +1,398 @@
+"""One task, as a worker runs it: compute the units still missing, store them, tell what that cost.
+
+A task may run more than once, here or elsewhere; it looks for records first and the first record stays, so a
+unit is counted once whatever happens. Nothing that the physics raises gets out: it becomes the record of a
+failure.
+"""
+
+import contextlib
+import os
+import resource
+import socket
+import time
+import traceback
+import warnings
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal
+
+import railvib
+from railvib import cost
+from railvib.errors import PlausibilityWarning
+from sweep.host import host_class
+from sweep.kinds import AccuracyWarning, Kind, Unit, registry
+from sweep.storage import fields, records, space, store
+from sweep.storage.cache import CACHE_BYTES, Cache, Latest
+
+NEGLIGIBLE_S = 2e-5
+"""Time between a result's stages that is not worth a stage of its own."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the results of a run go and who asks for them; all that a task must know beside its units.
+
+    Attributes
+    ----------
+    store
+        Where results go that cases share, if not to the directory as well.
+    """
+
+    directory: str
+    run_id: str
+    kinds: str
+    attempt: int = 1
+    store: str | None = None
+
+    @property
+    def homes(self) -> tuple[str, ...]:
+        """Where units may lie."""
+        return (self.directory, self.store) if self.store else (self.directory,)
+
+    def home(self, unit: Unit, kind: Kind) -> str:
+        """Return where a unit is written: what belongs to a case stays with the run."""
+        return self.directory if kind.scope(unit.inputs) == "case" else self.homes[-1]
+
+    def find(self, unit: Unit) -> tuple[str, dict[str, Any]] | None:
+        """Return where a unit lies and its commit record, or None where it has none."""
+        found = ((home, records.find(home, unit.kind, unit.id)) for home in self.homes)
+        return next(((home, record) for home, record in found if record is not None), None)
+
+
+Status = Literal["done", "failed", "damaged", "no space"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a task.
+
+    Attributes
+    ----------
+    status
+        ``done``, ``failed`` when the computation raised, ``damaged`` when a stored result that it needs was
+        not whole and has been withdrawn, ``no space`` when nothing more could be written.
+    computed
+        How many units this attempt stored first.
+    cpu_s
+        Processor seconds that it took [s].
+    bytes_written, peak_rss_bytes
+        Bytes that it stored, and the largest resident memory of its process meanwhile.
+    error
+        The last line of what was raised.
+    warnings
+        Where results stay behind the accuracy asked for.
+    """
+
+    key: str
+    status: Status
+    computed: int = 0
+    cpu_s: float = 0.0
+    bytes_written: int = 0
+    peak_rss_bytes: int = 0
+    error: str = ""
+    warnings: tuple[str, ...] = ()
+
+
+class WithdrawnError(Exception):
+    """A stored result was found damaged; its record has been taken back."""
+
+
+REMEMBERED = 1024
+"""Units, at a few kilobytes each, of whose records a worker remembers where and what the results are."""
+
+_cache = Cache(CACHE_BYTES)
+_recorded: Latest[tuple[str, str], tuple[str, dict[str, Any]]] = Latest(REMEMBERED)
+
+
+def forget() -> None:
+    """Let go of what is held and remembered for further tasks of this process."""
+    _cache.clear()
+    _recorded.clear()
+
+
+def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
+    """Compute, store and record the units that have no record yet.
+
+    Parameters
+    ----------
+    key
+        The task's key.
+    units
+        The units of the task.
+    place
+        Where results go.
+    """
+    missing = [unit for unit in units if place.find(unit) is None]
+    kinds = registry(place.kinds)
+    started = _now()
+    cpu = time.process_time()
+    _reset_peak()
+    done: list[bool] = []
+    written: list[int] = []
+    cautions: list[str] = []
+
+    def outcome(status: Status, error: str = "") -> Outcome:
+        cpu_s = time.process_time() - cpu
+        return Outcome(
+            key, status, sum(done), cpu_s, sum(written), _peak(), error, tuple(dict.fromkeys(cautions))
+        )
+
+    try:
+        for first, stored, warned in _compute(missing, kinds, place, started):
+            done.append(first)
+            written.append(stored)
+            cautions += warned
+    except WithdrawnError as error:
+        return outcome("damaged", str(error))
+    except Exception as error:
+        try:
+            if space.exhausted(error):
+                raise
+            _record_failure(missing, place, started, traceback.format_exc())
+        except Exception as fault:
+            if not space.exhausted(fault):
+                raise
+            return outcome("no space", str(fault))
+        return outcome("failed", f"{type(error).__name__}: {error}".partition("\n")[0])
+    return outcome("done")
+
+
+def _compute(
+    missing: list[Unit], kinds: Mapping[str, Kind], place: Place, started: str
+) -> Iterator[tuple[bool, int, list[str]]]:
+    """Compute batch by batch, commit what each brings; yield whether it is first, its bytes, and warnings."""
+    if not missing:
+        return
+    batches = kinds[missing[0].kind].compute(missing, Reader(place, kinds))
+    writers = {home: store.Writer(home) for home in place.homes}
+    while True:
+        cpu, wall = time.process_time(), time.perf_counter()
+        with cost.collect() as costs, warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("ignore", PlausibilityWarning)  # the plan has shown them, once
+            warnings.simplefilter("always", AccuracyWarning)
+            batch = next(batches, None)
+        if batch is None:
+            return
+        _complete(costs, time.perf_counter() - wall, time.process_time() - cpu)
+        cautions = [str(each.message) for each in caught if issubclass(each.category, AccuracyWarning)]
+        yield from _record(batch, costs, cautions, kinds, place, writers, started)
+        del batch  # before the next one takes its memory
+
+
+def _record(
+    batch: Mapping[Unit, Any],
+    costs: list[cost.StageCost],
+    cautions: list[str],
+    kinds: Mapping[str, Kind],
+    place: Place,
+    writers: Mapping[str, store.Writer],
+    started: str,
+) -> Iterator[tuple[bool, int, list[str]]]:
+    """Store and commit a batch; yield what `_compute` does."""
+    shares = {unit: _share(unit, batch, costs, kinds) for unit in batch}
+    stored: dict[str, list[tuple[Unit, dict[str, Any], store.Written]]] = {home: [] for home in writers}
+    for group in _groups(batch, kinds):
+        one = next(iter(group))
+        kind = kinds[one.kind]
+        home = place.home(one, kind)
+        stored[home] += _store(group, kind, shares, cautions, place, writers[home], started)
+    for writer in writers.values():
+        writer.settle()
+    # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
+    # computed again as a whole.
+    for home, made in stored.items():
+        firsts = records.commit_many(home, [record for _, record, _ in made])
+        for (unit, _, written), first in zip(made, firsts, strict=True):
+            kind = kinds[unit.kind]
+            if first and kind.scope(unit.inputs) != "case":  # what belongs to one case no other task reads
+                _hold(unit, place, store.restored(written, kind.result))
+                _recorded[place.directory, unit.id] = home, written.recorded()
+            yield first, written.bytes_written, cautions
+            records.forget_failure(place.directory, unit.id)
+
+
+class Reader:
+    """Reads results of units that are done, verified against their records."""
+
+    def __init__(self, place: Place, kinds: Mapping[str, Kind]) -> None:
+        self._place = place
+        self._kinds = kinds
+
+    def __call__(self, unit: Unit) -> Any:
+        """Return the result of a unit.
+
+        Raises
+        ------
+        WithdrawnError
+            If it is damaged or not there; its record, if any, is taken back so that it is computed again.
+        """
+        held = _cache.get((self._place.directory, unit.id))
+        if held is not None:
+            return held
+        with cost.stage("load"):
+            try:
+                result = self._remembered(unit)
+                if result is None:
+                    result = self._found(unit)
+            except store.DamagedError as error:
+                for home in self._place.homes:
+                    records.withdraw(home, unit.kind, unit.id)
+                raise WithdrawnError(str(error)) from error
+        _hold(unit, self._place, result)
+        return result
+
+    def _remembered(self, unit: Unit) -> Any:
+        """Return a result by what is remembered of its record; None if nothing is, or that stands no more."""
+        remembered = _recorded.pop((self._place.directory, unit.id), None)
+        if remembered is None:
+            return None
+        with contextlib.suppress(store.DamagedError):
+            return self._read(unit, *remembered)
+
+    def _found(self, unit: Unit) -> Any:
+        """Return a result by its record."""
+        found = self._place.find(unit)
+        if found is None:
+            raise store.DamagedError(f"{unit.kind}/{unit.id}: has no record that can be read")
+        home, record = found
+        return self._read(unit, home, {name: record.get(name) for name in store.RECORDED})
+
+    def _read(self, unit: Unit, home: str, recorded: dict[str, Any]) -> Any:
+        result: Any = store.read(home, kind=self._kinds[unit.kind].result, **recorded)
+        _recorded[self._place.directory, unit.id] = home, recorded
+        return result
+
+
+def _hold(unit: Unit, place: Place, result: Any) -> None:
+    """Keep a result in the form in which it is read, so that who computed it makes no difference."""
+    _cache.put((place.directory, unit.id), result)
+
+
+def _groups(batch: Mapping[Unit, Any], kinds: Mapping[str, Kind]) -> list[dict[Unit, fields.Parts]]:
+    """Part a batch into results of one kind that are stored as one group."""
+    groups: dict[Hashable, dict[Unit, fields.Parts]] = {}
+    for unit, result in batch.items():
+        parts = fields.split(result)
+        alone = kinds[unit.kind].label(unit.inputs) is None
+        groups.setdefault(unit if alone else (unit.kind, parts.sharing), {})[unit] = parts
+    return list(groups.values())
+
+
+def _store(
+    group: Mapping[Unit, fields.Parts],
+    kind: Kind,
+    shares: Mapping[Unit, list[dict[str, Any]]],
+    cautions: list[str],
+    place: Place,
+    writer: store.Writer,
+    started: str,
+) -> list[tuple[Unit, dict[str, Any], store.Written]]:
+    """Store results as one group; return of each its unit, its record and what was written."""
+    cpu, wall = time.process_time(), time.perf_counter()
+    first = next(iter(group))
+    name = f"{first.kind}/{first.id}"
+    said = {"kind": first.kind, "model_version": railvib.MODEL_VERSION}
+    results = {kind.label(unit.inputs): parts.saying(unit_id=unit.id) for unit, parts in group.items()}
+    made = writer.together(name, results, said)
+    wall_s = (time.perf_counter() - wall) / len(group)
+    cpu_s = (time.process_time() - cpu) / len(group)
+    spent = vars(cost.StageCost("store", wall_s, cpu_s, peak_rss_bytes=_peak()))
+    stored = []
+    for unit, written in zip(group, made, strict=True):
+        storing = {**spent, "bytes_written": written.bytes_written}
+        record = {
+            **_head(unit, place, started),
+            "status": "done",
+            **written.recorded(),
+            "costs": [*shares[unit], storing],
+            "warnings": cautions,
+        }
+        stored.append((unit, record, written))
+    return stored
+
+
+def _record_failure(missing: Iterable[Unit], place: Place, started: str, text: str) -> None:
+    """Record the failure of the units that have not been stored."""
+    for unit in missing:
+        if place.find(unit) is None:
+            records.fail(place.directory, _failure(unit, place, started, text))
+
+
+def _failure(unit: Unit, place: Place, started: str, text: str) -> dict[str, Any]:
+    return {**_head(unit, place, started), "status": "failed", "traceback": text}
+
+
+def lost(unit: Unit, place: Place, message: str) -> dict[str, Any]:
+    """Return the failure record of a unit whose worker died with it, as the driver writes it."""
+    return _failure(unit, place, _now(), message)
+
+
+def _head(unit: Unit, place: Place, started: str) -> dict[str, Any]:
+    """Return what records of success and of failure have in common."""
+    return {
+        "schema": records.SCHEMA,
+        "unit_id": unit.id,
+        "kind": unit.kind,
+        "model_version": railvib.MODEL_VERSION,
+        "inputs": unit.inputs,
+        "worker": f"{socket.gethostname()}:{os.getpid()}",
+        "host": socket.gethostname(),
+        "host_class": host_class(),
+        "attempt": place.attempt,
+        "started": started,
+        "finished": _now(),
+        "run_id": place.run_id,
+    }
+
+
+def _complete(costs: list[cost.StageCost], wall_s: float, cpu_s: float) -> None:
+    """Add what the physics' own stages leave unexplained, so that the stages' sum is the whole."""
+    wall_s -= sum(spent.wall_s for spent in costs)
+    cpu_s -= sum(spent.cpu_s for spent in costs)
+    if not costs or wall_s > NEGLIGIBLE_S:
+        cost.add(costs, cost.StageCost("other", max(wall_s, 0.0), max(cpu_s, 0.0), peak_rss_bytes=_peak()))
+
+
+def _share(
+    unit: Unit, batch: Mapping[Unit, Any], costs: Iterable[cost.StageCost], kinds: Mapping[str, Kind]
+) -> list[dict[str, Any]]:
+    """Return a unit's part of its batch's costs: a stage named as a kind is its units', others all's."""
+    members: dict[str, int] = {}
+    for other in batch:
+        members[other.kind] = members.get(other.kind, 0) + 1
+    shares = []
+    for spent in costs:
+        if spent.stage in members and spent.stage != unit.kind:
+            continue
+        part = members[spent.stage] if spent.stage in members else len(batch)
+        # Counts are whole numbers: the first units of the batch take what does not divide.
+        index = [other for other in batch if spent.stage not in members or other.kind == spent.stage].index(
+            unit
+        )
+        shares.append(
+            {
+                **vars(spent),
+                "wall_s": spent.wall_s / part,
+                "cpu_s": spent.cpu_s / part,
+                "evaluations": spent.evaluations // part + (index < spent.evaluations % part),
+                "kernel_calls": spent.kernel_calls // part + (index < spent.kernel_calls % part),
+                "bytes_written": 0,
+            }
+        )
+    return shares
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def _reset_peak() -> None:
+    """Let the peak of the resident memory start anew, where the system can."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def _peak() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * cost.RSS_UNIT

@@ -1,0 +1,1 @@
+"""Stores of results: Zarr groups, commit records, and where they lie."""

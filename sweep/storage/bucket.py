@@ -1,0 +1,172 @@
+"""A prefix of an S3 bucket as a location, through object_store's Python binding."""
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from datetime import timedelta
+from typing import TYPE_CHECKING
+
+import obstore
+from obstore.exceptions import AlreadyExistsError, BaseError
+from obstore.store import S3Store
+
+from railvib.errors import InputError
+from sweep.storage.location import NONE, S3, Content
+
+if TYPE_CHECKING:
+    from obstore.store import RetryConfig
+    from zarr.abc.store import Store
+
+CONNECTIONS = 16
+"""Requests to a bucket at the same time, per process."""
+PATIENT: "RetryConfig" = {"max_retries": 10, "retry_timeout": timedelta(minutes=3)}
+"""How often and how long a bucket that does not answer is asked again before a task fails."""
+BRIEF: "RetryConfig" = {"max_retries": 2, "retry_timeout": timedelta(seconds=20)}
+"""The same before a run, where somebody waits to hear what is wrong."""
+CREDENTIALS = (
+    ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"),
+    ("AWS_WEB_IDENTITY_TOKEN_FILE",),
+    ("AWS_CONTAINER_CREDENTIALS_RELATIVE_URI",),
+    ("AWS_CONTAINER_CREDENTIALS_FULL_URI",),
+    ("AWS_SKIP_SIGNATURE",),
+)
+"""Variables of the environment that say where credentials come from; nothing else is looked at."""
+
+
+class Bucket:
+    """A prefix of an S3 bucket; who asks, and at which endpoint, says the environment alone."""
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+        bucket, *prefix = parts(address)
+        if not any(all(os.environ.get(name) for name in names) for names in CREDENTIALS):
+            raise InputError(
+                f"--store = {address!r}: no credentials in the environment; set AWS_ACCESS_KEY_ID and "
+                "AWS_SECRET_ACCESS_KEY"
+            )
+        allowed = os.environ.get("AWS_ALLOW_HTTP", "").lower() in ("1", "true")
+        if os.environ.get("AWS_ENDPOINT_URL", "").startswith("http://") and not allowed:
+            raise InputError(
+                f"--store = {address!r}: AWS_ENDPOINT_URL is not encrypted; AWS_ALLOW_HTTP=true allows that"
+            )
+        self._bucket, self._prefix = bucket, prefix
+        self._store = self._open([])
+        self._ensured: set[str] = set()
+
+    def _open(self, below: list[str], retries: "RetryConfig" = PATIENT) -> S3Store:
+        prefix = "/".join([*self._prefix, *below])
+        return S3Store(self._bucket, prefix=prefix or None, retry_config=retries)
+
+    def read(self, key: str) -> bytes | None:
+        """Return an object's content."""
+        try:
+            return bytes(obstore.get(self._store, key).bytes())
+        except FileNotFoundError:
+            return None
+
+    def read_many(self, keys: Iterable[str]) -> Iterator[bytes | None]:
+        """Yield the contents of objects, several of which are asked for at once."""
+        with ThreadPoolExecutor(CONNECTIONS) as pool:
+            yield from pool.map(self.read, keys)
+
+    def read_group(self, prefix: str, keys: Iterable[str] | None = None) -> Mapping[str, bytes | bytearray]:
+        """Return all objects below a prefix, or some of them."""
+        if keys is None:
+            pages = obstore.list(self._store, prefix)
+            keys = [meta["path"].removeprefix(f"{prefix}/") for page in pages for meta in page]
+        keys = list(keys)
+        contents = zip(keys, self.read_many(f"{prefix}/{key}" for key in keys), strict=True)
+        return {key: content for key, content in contents if content is not None}
+
+    def names(self, prefix: str) -> list[str]:
+        """Return the last parts of keys and of common prefixes."""
+        found = obstore.list_with_delimiter(self._store, prefix)
+        keys = [*found["common_prefixes"], *(meta["path"] for meta in found["objects"])]
+        return [key.rstrip("/").rpartition("/")[2] for key in keys]
+
+    def create(self, key: str, content: bytes) -> bool:
+        """Put an object on the condition that there is none."""
+        try:
+            obstore.put(self._store, key, content, mode="create", use_multipart=False)
+        except AlreadyExistsError:
+            # A request whose answer was lost is sent again, and then meets itself.
+            return self.read(key) == content
+        return True
+
+    def create_many(self, contents: Mapping[str, bytes]) -> list[bool]:
+        """Put objects on that condition, several at once."""
+        with ThreadPoolExecutor(CONNECTIONS) as pool:
+            return list(pool.map(self.create, contents.keys(), contents.values()))
+
+    def ensure(self, key: str, content: bytes) -> None:
+        """Put an object once per process, if it is not there."""
+        if key not in self._ensured:
+            self.create(key, content)
+            self._ensured.add(key)
+
+    def put(self, prefix: str, objects: Mapping[str, Content], same: Mapping[str, str] = NONE) -> int:
+        """Put all objects: whoever else does so puts the same bytes, for the prefix names them."""
+        with ThreadPoolExecutor(CONNECTIONS) as pool:
+            return sum(pool.map(lambda key: self._put(f"{prefix}/{key}", objects[key]), objects))
+
+    def _put(self, key: str, content: Content) -> int:
+        whole = b"".join(content) if isinstance(content, tuple) else bytes(content)
+        obstore.put(self._store, key, whole)
+        return len(whole)
+
+    def remove(self, key: str) -> None:
+        """Delete an object; one that is not there counts as deleted."""
+        with suppress(FileNotFoundError):
+            obstore.delete(self._store, key)
+
+    def clean(self, prefix: str, older_than_s: float) -> None:
+        """Do nothing: an object is whole or not there."""
+
+    def zarr(self, prefix: str) -> "Store":
+        """Return Zarr's view of a prefix."""
+        from zarr.storage import ObjectStore
+
+        return ObjectStore(self._open(prefix.split("/")), read_only=True)
+
+    def check(self) -> None:
+        """Ask for the first key, which tells whether the bucket is there and lets us in."""
+        try:
+            next(iter(obstore.list(self._open([], BRIEF), chunk_size=1)), None)
+        except (BaseError, OSError) as error:
+            raise InputError(f"--store = {self.address!r}: {_reason(str(error))}") from None
+
+
+def parts(address: str) -> list[str]:
+    """Return the bucket and the parts of the prefix.
+
+    Raises
+    ------
+    InputError
+        If there is no bucket, or something that may be a secret stands before it.
+    """
+    parts = [part for part in address.removeprefix(S3).split("/") if part]
+    if not parts or "@" in parts[0] or ":" in parts[0]:
+        raise InputError(f"--store: must be {S3}BUCKET/PREFIX; credentials belong in the environment alone")
+    if not re.fullmatch(r"[a-z0-9][a-z0-9.-]{1,61}[a-z0-9]", parts[0]) or re.search(r"[?#]", address):
+        raise InputError(
+            f"--store = {address!r}: must be {S3}BUCKET/PREFIX, of lower-case letters and digits"
+        )
+    return parts
+
+
+def _reason(message: str) -> str:
+    """Return in a few words what a server or the way to it said.
+
+    Codes count with their names: as digits alone they may be part of a port or of a time.
+    """
+    for sign, reason in (
+        ("NoSuchBucket", "there is no such bucket"),
+        ("403 Forbidden", "the credentials in the environment do not allow to list it"),
+        ("401 Unauthorized", "the credentials in the environment are refused"),
+        ("error sending request", "the server cannot be reached"),
+    ):
+        if sign in message:
+            return reason
+    return message.partition("\n")[0]

@@ -1,0 +1,207 @@
+"""What is done: one small JSON file per stored unit, written after its arrays, and one manifest per run.
+
+The first commit record of a unit stays; its presence means that the unit is done. It ends with its own
+checksum: one that is torn or altered counts as absent. A record lies where its arrays lie: with the run, or
+in a store outside that many runs share and their manifests name. Failures and manifests lie with the run,
+under `failed` and `runs`; `run.json` is the latest manifest. Everything else, the database included, can be
+rebuilt from these files and the arrays.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from sweep.storage import location
+
+SCHEMA = 2
+_WITHOUT_CHECKSUM = 1
+"""The schema before records had checksums."""
+RECORDS = "records"
+MANIFEST = "run.json"
+_CHECKSUM = "sha256"
+_FAILED = "failed"
+_RUNS = "runs"
+
+Home = Path | str
+"""Where units lie: the path of a run directory, or path or address of a store outside."""
+
+
+class Run:
+    """The manifests of a run directory: the latest as `run.json`, every one under `records/runs`."""
+
+    @staticmethod
+    def load(directory: Path | str) -> dict[str, Any]:
+        """Return the latest manifest of a run directory, where `run.json` is damaged its copy.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the directory holds no run.
+        """
+        found = _decode(location.Folder(directory).read(MANIFEST)) or next(reversed(runs(directory)), None)
+        if found is None:
+            raise FileNotFoundError(Path(directory) / MANIFEST)
+        return found
+
+    @staticmethod
+    def publish(directory: Path | str, manifest: Mapping[str, Any]) -> None:
+        """Write a manifest under its run id and as the latest one, each replaced in one step."""
+        content = _encode(manifest)
+        for key in (f"{RECORDS}/{_RUNS}/{manifest['run_id']}.json", MANIFEST):
+            location.Folder(directory).replace(key, content)
+
+
+def runs(directory: Path | str) -> list[dict[str, Any]]:
+    """Return the manifests of all runs of a directory, the earliest first."""
+    manifests = _folder(directory, _RUNS)
+    return sorted(manifests, key=lambda manifest: (manifest["started"], manifest["run_id"]))
+
+
+def homes(directory: Path | str) -> tuple[Home, ...]:
+    """Return where the units of a run directory lie: there, and in the store that its latest run names."""
+    path = Path(directory) / MANIFEST
+    try:
+        state = path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return (directory,)
+    outside = _store(Path(directory), state.st_mtime_ns, state.st_size)
+    return (directory, outside) if outside else (directory,)
+
+
+@lru_cache(16)
+def _store(directory: Path, changed: int, size: int) -> str | None:
+    """Return the store that the manifest of a directory names; read once, for it may be large."""
+    named: str | None = Run.load(directory).get("store")
+    return named
+
+
+def committed(directory: Path | str, kind: str | None = None) -> Iterator[dict[str, Any]]:
+    """Yield the commit records of a run directory, of one kind or of all, by kind and id.
+
+    Of a store outside only those count that a run of the directory needs.
+    """
+    here, *outside = homes(directory)
+    kept = {home: _listed(home, kind) for home in (here, *outside)}
+    needed = _needed(directory) if outside else set()
+    for home in outside:
+        kept[home] = [key for key in kept[home] if key[1] in needed and key not in kept[here]]
+    contents = {home: location.at(home).read_many(_key(*key) for key in keys) for home, keys in kept.items()}
+    for _, home in sorted((key, home) for home, keys in kept.items() for key in keys):
+        record = _decode(next(contents[home]))
+        if record is not None:
+            yield record
+
+
+def failed(directory: Path | str) -> Iterator[dict[str, Any]]:
+    """Yield the records of failures that no later attempt has made good."""
+    for failure in _folder(directory, _FAILED):
+        if all(find(home, failure["kind"], failure["unit_id"]) is None for home in homes(directory)):
+            yield failure
+
+
+def present(directory: Path | str) -> set[str]:
+    """Return the ids of all committed units of a run directory, from the names of their records alone."""
+    here, *outside = homes(directory)
+    found = listed(here)
+    for home in outside:
+        found |= listed(home) & _needed(directory)
+    return found
+
+
+def listed(home: Home) -> set[str]:
+    """Return the ids of all units committed at one place, whoever asked for them."""
+    return {unit_id for _, unit_id in _listed(home)}
+
+
+def find(home: Home, kind: str, unit_id: str) -> dict[str, Any] | None:
+    """Return the commit record of a unit at one place, or None where there is none that can be read."""
+    return _decode(location.at(home).read(_key(kind, unit_id)))
+
+
+def commit(home: Home, record: Mapping[str, Any]) -> bool:
+    """Write a commit record unless there is one; return whether this one is the first and so counts."""
+    return commit_many(home, [record])[0]
+
+
+def commit_many(home: Home, made: Sequence[Mapping[str, Any]]) -> list[bool]:
+    """Write commit records, one per unit, unless there are some; return of each whether it counts."""
+    place = location.at(home)
+    contents = {_key(record["kind"], record["unit_id"]): _encode(record) for record in made}
+    first = dict(zip(contents, place.create_many(contents), strict=True))
+    for key, content in contents.items():
+        if not first[key] and _decode(place.read(key)) is None:
+            place.remove(key)  # one that cannot be read holds its name for nothing
+            first[key] = place.create(key, content)
+    return list(first.values())
+
+
+def withdraw(home: Home, kind: str, unit_id: str) -> None:
+    """Take back the commit record of a unit whose arrays were found damaged, so that it is computed again."""
+    location.at(home).remove(_key(kind, unit_id))
+
+
+def fail(directory: Path | str, record: Mapping[str, Any]) -> None:
+    """Write the record of a failure; a later one of the same unit replaces it."""
+    location.Folder(directory).replace(_key(_FAILED, record["unit_id"]), _encode(record))
+
+
+def forget_failure(directory: Path | str, unit_id: str) -> None:
+    """Remove the record of a failure that a later attempt has made good."""
+    location.Folder(directory).remove(_key(_FAILED, unit_id))
+
+
+def _needed(directory: Path | str) -> set[str]:
+    """Return the ids of the units that any run of a directory rests on."""
+    return {
+        unit["unit_id"]
+        for manifest in runs(directory)
+        for case in manifest["cases"]
+        for units in case["units"].values()
+        for unit in units
+    }
+
+
+def _key(kind: str, unit_id: str) -> str:
+    return f"{RECORDS}/{kind}/{unit_id}.json"
+
+
+def _listed(home: Home, kind: str | None = None) -> list[tuple[str, str]]:
+    """Return kind and id of the records at one place, of one kind or of all, sorted."""
+    place = location.at(home)
+    kinds = [kind] if kind else [name for name in place.names(RECORDS) if name not in (_FAILED, _RUNS)]
+    return sorted(
+        (each, name.removesuffix(".json"))
+        for each in kinds
+        for name in place.names(f"{RECORDS}/{each}")
+        if name.endswith(".json")
+    )
+
+
+def _folder(directory: Path | str, name: str) -> list[dict[str, Any]]:
+    """Return the readable files of one folder of a run directory's records, in order of their names."""
+    place = location.Folder(directory)
+    keys = [_key(name, each) for _, each in _listed(directory, name)]
+    return [content for content in map(_decode, place.read_many(keys)) if content is not None]
+
+
+def _decode(encoded: bytes | None) -> dict[str, Any] | None:
+    """Return the content of a record, or None where it is missing, torn or altered."""
+    if encoded is None:
+        return None
+    try:
+        content: dict[str, Any] = json.loads(encoded)
+    except (json.JSONDecodeError, UnicodeDecodeError):
+        return None
+    said = content.pop(_CHECKSUM, None)
+    body = encoded[: encoded.rfind(f',"{_CHECKSUM}":'.encode())]
+    whole = said == hashlib.sha256(body).hexdigest() or content.get("schema") == _WITHOUT_CHECKSUM
+    return content if whole else None
+
+
+def _encode(content: Mapping[str, Any]) -> bytes:
+    """Return a record as one line of JSON, with the sha256 of all that stands before as its last entry."""
+    body = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))[:-1].encode()
+    return body + f',"{_CHECKSUM}":"{hashlib.sha256(body).hexdigest()}"}}\n'.encode()

@@ -1,0 +1,390 @@
+"""Results as immutable Zarr groups: a frozen dataclass of arrays in, the same dataclass or plain arrays out.
+
+What of a dataclass is an array says `sweep.storage.fields`; all else goes to attributes. Results that have
+most of their arrays in common can lie in one group, as the transfer functions of several receivers do: what
+is each one's own lies along one dimension more, every result in chunks of its own. A group is encoded in
+memory and named after its content, and never changes. An array is one chunk or is cut along its first
+dimension in `sweep.storage.codec` alone: no caller can write part of a chunk.
+"""
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from weakref import finalize, ref
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sweep.storage import checksums as compared
+from sweep.storage import codec, fields, location, records
+from sweep.storage.fields import Result
+from sweep.storage.group import MEMBERS, Group, Recorded, metadata_digest
+from sweep.storage.group import DamagedError as DamagedError
+from sweep.storage.location import Content
+
+if TYPE_CHECKING:
+    import zarr
+
+STORE = "transfer_functions.zarr"
+CHUNK_BYTES = 64 * 2**20
+RECORDED = ("group", "member", "arrays", "metadata", "group_metadata")
+"""What a record holds of a group."""
+_DIGITS = 16
+"""Of the digest in a group's name, hexadecimal."""
+_EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
+
+
+@dataclasses.dataclass(frozen=True)
+class Written:
+    """What a write left, for the record of a result.
+
+    Attributes
+    ----------
+    group
+        Where it is in the store.
+    member
+        Which result of the group it is, if there may be others.
+    arrays
+        Per array its sha256, shape and dtype.
+    metadata
+        The sha256 of the group's attributes and of all that Zarr says of its arrays.
+    group_metadata
+        The sha256 of the group's own metadata, which repeat all of that: a reader needs no others.
+    attributes
+        Its attributes, as they are read.
+    values
+        Its arrays.
+    bytes_written
+        Its part of the bytes that the group took, without those of arrays that were there.
+    """
+
+    group: str
+    member: str | None
+    arrays: dict[str, dict[str, Any]]
+    metadata: str
+    group_metadata: str
+    attributes: dict[str, Any]
+    values: Mapping[str, NDArray[Any]]
+    bytes_written: int
+
+    def recorded(self) -> dict[str, Any]:
+        """Return what a record holds of it, to read it again and to compare it."""
+        return {name: getattr(self, name) for name in RECORDED}
+
+
+@dataclasses.dataclass
+class _Stored:
+    """What became of an array, the key below which it lies, and whether several groups have it."""
+
+    head: bytes
+    chunks: Mapping[str, Content]
+    checksum: dict[str, Any]
+    key: str
+    shared: bool = False
+
+
+@dataclasses.dataclass
+class _Encoded:
+    """The arrays of a group: of each its metadata, its chunks, and where other groups have them.
+
+    Attributes
+    ----------
+    checksums
+        Of the arrays that all results of the group have.
+    own_checksums
+        Of those that each has for itself, by label.
+    fresh
+        Arrays that no other group has yet, though it may.
+    """
+
+    heads: dict[str, bytes] = dataclasses.field(default_factory=dict)
+    chunks: dict[str, Mapping[str, Content]] = dataclasses.field(default_factory=dict)
+    checksums: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
+    own_checksums: dict[str | None, dict[str, dict[str, Any]]] = dataclasses.field(default_factory=dict)
+    same: dict[str, str] = dataclasses.field(default_factory=dict)
+    fresh: dict[str, NDArray[Any]] = dataclasses.field(default_factory=dict)
+
+    def encode(self, key: str, array: NDArray[Any], metadata: Mapping[str, Any]) -> None:
+        """Add an array that no other group has."""
+        self.heads[key], self.chunks[key] = codec.encode_array(key, array, metadata, CHUNK_BYTES)
+        self.checksums[key] = compared.checksum(array)
+        self.fresh[key] = array
+        compared.remember_chunks(codec.chunk_checksums(self.chunks[key]), self.checksums[key])
+
+    def encode_own(self, members: Mapping[str | None, fields.Parts]) -> None:
+        """Add what results have for themselves, array by array, one result behind the other."""
+        said = {MEMBERS: {label: parts.own_attributes for label, parts in members.items()}}
+        for key, (_, metadata) in next(iter(members.values())).own_arrays.items():
+            arrays = [parts.own_arrays[key][0] for parts in members.values()]
+            form = {**metadata, "dims": (metadata["own"], *metadata["dims"]), "attributes": said}
+            self.heads[key], chunks = codec.encode_stack(key, arrays, form, CHUNK_BYTES)
+            self.chunks[key] = {place: chunk for own in chunks for place, chunk in own.items()}
+            for label, array, own in zip(members, arrays, chunks, strict=True):
+                checksum = compared.checksum(array)
+                compared.remember_chunks(codec.chunk_checksums(own), checksum)
+                self.own_checksums.setdefault(label, {})[key] = checksum
+
+
+class Writer:
+    """Writes results as groups of the store at `home`.
+
+    An array that several results have in common, the same object in memory, is encoded and stored once: where
+    the file system can, its files are given another name in the groups of the others. What became of an array
+    is known as long as somebody holds it and, after a call of `settle`, if several results have had it. What
+    is said of one array is often said of others as well, and is stored once too.
+    """
+
+    def __init__(self, home: records.Home) -> None:
+        self._home = home
+        self._stored: dict[tuple[str, int], _Stored] = {}
+        self._heads: dict[bytes, str] = {}
+        self._ensured: set[str] = set()
+
+    def __call__(self, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
+        """Write `result`, a frozen dataclass of arrays, as a group of its own, as `together` does.
+
+        Raises
+        ------
+        ValueError
+            Also if an array does not have the dimensions that its field declares.
+        """
+        (written,) = self.together(name, {None: fields.split(result)}, attributes)
+        return written
+
+    def together(
+        self, name: str, results: Mapping[str | None, fields.Parts], attributes: Mapping[str, Any]
+    ) -> list[Written]:
+        """Write results that agree in `sharing` as one group.
+
+        The group is called `name` and a digest of what is in it. So writers whose results differ in the last
+        digit never touch each other's, and a record names the group that it stands for.
+
+        Parameters
+        ----------
+        name
+            What the group is called.
+        results
+            The results by their labels; None is the label of one that is the whole group.
+        attributes
+            What is said of all of them.
+
+        Raises
+        ------
+        ValueError
+            If an attribute cannot be stored, or results differ in what is not their own.
+        """
+        members = {label: parts if label is not None else parts.whole for label, parts in results.items()}
+        first, *others = members.values()
+        if any(each.sharing != first.sharing for each in others):
+            raise ValueError(f"{name}: results of one group differ in what is not their own")
+        group = _Encoded()
+        for key, (array, metadata) in first.arrays.items():
+            self._add(group, key, array, metadata)
+        group.encode_own(members)
+        said = codec.encode_attributes({**attributes, **first.attributes})
+        head = codec.encode_group(group.heads, said)
+        heads = {codec.METADATA: head}
+        heads |= {f"{key}/{codec.METADATA}": each for key, each in group.heads.items()}
+        digest = metadata_digest(heads)
+        content = json.dumps([group.checksums, list(group.own_checksums.values()), digest], sort_keys=True)
+        place = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
+        size = self._put(f"{STORE}/{place}", heads, group)
+        return [
+            Written(
+                group=place,
+                member=label,
+                arrays=group.checksums | group.own_checksums.get(label, {}),
+                metadata=digest,
+                group_metadata=hashlib.sha256(head).hexdigest(),
+                attributes={**attributes, **parts.whole.attributes},
+                values={each: array for each, (array, _) in parts.whole.arrays.items()},
+                bytes_written=size // len(members) + (number < size % len(members)),
+            )
+            for number, (label, parts) in enumerate(members.items())
+        ]
+
+    def _add(self, group: _Encoded, key: str, array: NDArray[Any], metadata: Mapping[str, Any]) -> None:
+        """Add an array to a group that others may have as well."""
+        stored = self._stored.get((key, id(array)))
+        if stored is None:
+            group.encode(key, array, metadata)
+            if group.heads[key] in self._heads:
+                group.same[f"{key}/{codec.METADATA}"] = self._heads[group.heads[key]]
+        else:
+            stored.shared = True
+            group.heads[key], group.chunks[key] = stored.head, stored.chunks
+            group.checksums[key] = stored.checksum
+            for each in (codec.METADATA, *stored.chunks):
+                group.same[f"{key}/{each}"] = f"{stored.key}/{each}"
+
+    def _put(self, prefix: str, heads: Mapping[str, bytes], group: _Encoded) -> int:
+        """Write a group to its place, and keep in mind where its arrays are; return the bytes written."""
+        place = location.at(self._home)
+        for level in _above(prefix):
+            if level not in self._ensured:  # so that the store can be walked from its root
+                place.ensure(f"{level}/{codec.METADATA}", _EMPTY_GROUP)
+                self._ensured.add(level)
+        objects: dict[str, Content] = {**heads}
+        for key, chunks in group.chunks.items():
+            objects |= {f"{key}/{each}": chunk for each, chunk in chunks.items()}
+        written = place.put(prefix, objects, group.same)
+        for key, array in group.fresh.items():
+            known, head = (key, id(array)), group.heads[key]
+            self._stored[known] = _Stored(head, group.chunks[key], group.checksums[key], f"{prefix}/{key}")
+            finalize(array, _forget, ref(self), known).atexit = False
+            self._heads.setdefault(head, f"{prefix}/{key}/{codec.METADATA}")
+        return written
+
+    def settle(self) -> None:
+        """Let go of arrays that one result alone has had so far: as stored they take as much memory again."""
+        self._stored = {key: stored for key, stored in self._stored.items() if stored.shared}
+
+
+def _forget(writer: "ref[Writer]", key: tuple[str, int]) -> None:
+    """Let go of an array that nobody holds any more: another may be given its place in memory."""
+    alive = writer()
+    if alive is not None:
+        alive._stored.pop(key, None)
+
+
+def _above(key: str) -> list[str]:
+    """Return the keys of the groups above one, the root first."""
+    parts = key.split("/")[:-1]
+    return ["/".join(parts[:number]) for number in range(1, len(parts) + 1)]
+
+
+def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
+    """Write one result as `Writer` does."""
+    return Writer(home)(name, result, attributes)
+
+
+def read(
+    home: records.Home,
+    group: str,
+    kind: type[Result],
+    arrays: Recorded | None = None,
+    metadata: str | None = None,
+    group_metadata: str | None = None,
+    member: str | None = None,
+) -> Result:
+    """Read a group of the store at `home` back as the dataclass `kind`, compared with what its record holds.
+
+    An array is compared with its sha256, or, if this process has written or compared it before, by the
+    checksums that its chunks had then; one that is in memory is not read again. Where the record has the
+    sha256 of the group's own metadata, these are enough, as they repeat those of its arrays.
+
+    Raises
+    ------
+    DamagedError
+        If the group is missing, cannot be decoded or is not the one recorded.
+    """
+    values, attributes = _read(home, group, arrays, metadata, group_metadata, member)
+    return fields.joined(kind, values, attributes)
+
+
+def read_recorded(
+    directory: Path | str, record: Mapping[str, Any]
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Return the arrays of a record of a run by name, compared as by `read`, and the group's attributes.
+
+    Raises
+    ------
+    DamagedError
+        If the group is missing, cannot be decoded or is not the one recorded.
+    """
+    recorded: dict[str, Any] = {name: record.get(name) for name in RECORDED}
+    return _read(_home(directory, record["group"]), **recorded)
+
+
+def _read(
+    home: records.Home,
+    group: str,
+    arrays: Recorded | None,
+    metadata: str | None,
+    group_metadata: str | None,
+    member: str | None,
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    place, prefix = location.at(home), f"{STORE}/{group}"
+    known = compared.held(arrays or {})
+    if group_metadata is None:
+        found = Group.whole(place, prefix, group, metadata, member)
+    else:
+        found = Group.needed(place, prefix, group, group_metadata, known, member)
+    return found.arrays() if arrays is None else found.verified(arrays, known), found.attributes
+
+
+def restored(written: Written, kind: type[Result]) -> Result:
+    """Return what was written as `read` does, from its arrays, which are in memory still."""
+    found = compared.held(written.arrays)
+    for name, recorded in written.arrays.items():
+        if name not in found:
+            found[name] = _as_read(written.values[name])
+            compared.hold(found[name], recorded)
+    return fields.joined(kind, found, written.attributes)
+
+
+def _as_read(array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array in the form of one that has been read: other forms are other types to kernels."""
+    array = np.ascontiguousarray(array, array.dtype.newbyteorder("=")).reshape(array.shape)
+    return array if array.flags.writeable else array.copy()
+
+
+def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Return the arrays of one group that a run rests on by name, and the group's attributes.
+
+    Raises
+    ------
+    DamagedError
+        If the group is missing or cannot be decoded.
+    """
+    found = _whole(directory, group)
+    return found.arrays(), found.attributes
+
+
+def check(directory: Path | str, record: Mapping[str, Any]) -> None:
+    """Read the group of a record, and compare all of it with the sha256 that the record holds.
+
+    Raises
+    ------
+    DamagedError
+        If the group is missing, cannot be decoded or is not the one recorded.
+    """
+    _whole(directory, record["group"], record.get("metadata"), record.get("member")).check(record["arrays"])
+
+
+def _whole(
+    directory: Path | str, group: str, metadata: str | None = None, member: str | None = None
+) -> Group:
+    return Group.whole(location.at(_home(directory, group)), f"{STORE}/{group}", group, metadata, member)
+
+
+def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":
+    """Return one array of a group that a run rests on, to be read in parts."""
+    import zarr
+
+    place = location.at(_home(directory, group))
+    return zarr.open_array(place.zarr(f"{STORE}/{group}/{name}"), mode="r")
+
+
+def read_array(directory: Path | str, group: str, member: str | None, name: str) -> NDArray[Any]:
+    """Return one array of a result, compared with nothing."""
+    array = open_array(directory, group, name)
+    members = array.attrs.get(MEMBERS)
+    if member is None or members is None:
+        return np.asarray(array[...])
+    assert isinstance(members, dict)
+    return np.asarray(array[list(members).index(member)])
+
+
+def _home(directory: Path | str, group: str) -> records.Home:
+    """Return where a group of a run lies: with the run if it is there, else in the store outside."""
+    here, *outside = records.homes(directory)
+    return here if not outside or (Path(here) / STORE / group).is_dir() else outside[0]
+
+
+def clean(home: records.Home, older_than_s: float = 0.0) -> None:
+    """Remove what writers that died have left aside; where others may be at work, only what is old."""
+    location.at(home).clean(STORE, older_than_s)

@@ -1,0 +1,56 @@
+"""Whether what is stored is what was stored: every record, array and attribute that a run rests on."""
+
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from sweep.kinds import Unit
+from sweep.storage import records, store
+
+THREADS = 4
+"""They read and hash side by side; more do not help where reading is bound by Python."""
+
+
+@dataclass(frozen=True)
+class Damage:
+    """A result that is not what was stored, and why."""
+
+    unit: Unit
+    reason: str
+
+    def __str__(self) -> str:
+        """Return kind and id of the result, and the reason."""
+        return f"{self.unit.kind}/{self.unit.id}: {self.reason}"
+
+
+def damaged(directory: Path, units: Iterable[Unit]) -> Iterator[Damage]:
+    """Read the stored results of units that have a record; yield those that are damaged."""
+    present = records.present(directory)
+    there = [unit for unit in units if unit.id in present]
+    with ThreadPoolExecutor(THREADS) as pool:
+        for unit, reason in zip(there, pool.map(lambda unit: _fault(directory, unit), there), strict=True):
+            if reason is not None:
+                yield Damage(unit, reason)
+
+
+def withdraw(directory: Path, units: Iterable[Unit]) -> list[Damage]:
+    """Take back the records of damaged results, so that they are computed again; return what was damaged."""
+    found = list(damaged(directory, units))
+    for each in found:
+        for home in records.homes(directory):
+            records.withdraw(home, each.unit.kind, each.unit.id)
+    return found
+
+
+def _fault(directory: Path, unit: Unit) -> str | None:
+    """Return what is wrong with a stored result, or None."""
+    found = (records.find(home, unit.kind, unit.id) for home in records.homes(directory))
+    record = next((record for record in found if record is not None), None)
+    if record is None:
+        return "its record cannot be read"
+    try:
+        store.check(directory, record)
+    except store.DamagedError as error:
+        return str(error).removeprefix(f"{record['group']}: ")
+    return None

@@ -1,0 +1,1 @@
+"""Processes that compute: on this machine, over SSH, and from batch systems."""

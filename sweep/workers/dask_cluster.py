@@ -1,0 +1,184 @@
+"""Dask workers as the engine's crew: processes of this machine, or a cluster that is running already.
+
+Workers are processes of one thread, so that a crash takes one task with it. What is started here listens on
+the loopback address only.
+"""
+
+import importlib
+import logging
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import dask
+from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin, as_completed
+from distributed.client import FutureCancelledError
+from distributed.security import Security
+
+from sweep.plan import Task
+from sweep.running.task import Outcome, Place, execute
+from sweep.workers import forks
+
+ENVIRONMENT = {**forks.THREADS, "DASK_LOGGING__DISTRIBUTED": "critical"}
+"""Of worker processes; what matters comes back as an outcome."""
+
+SETTINGS: dict[str, Any] = {
+    "distributed.scheduler.worker-saturation": 1.0,  # what a dying worker holds is suspect: hold one task
+    "distributed.scheduler.allowed-failures": 1,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.nanny.pre-spawn-environ": ENVIRONMENT,
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.limit": "10s",
+    "distributed.admin.low-level-log-length": 100,  # of what is kept for who debugs Dask
+    "distributed.comm.timeouts.connect": "30s",
+}
+
+
+ASK_S = 1.0
+"""How old what is known of the number of workers may be."""
+
+
+class Workers:
+    """The workers of a scheduler, through a client; `most` is how many there may be when all have come."""
+
+    def __init__(self, client: Client, most: int = 1) -> None:
+        self._client = client
+        self._most = most
+        self._futures: dict[str, str] = {}
+        self._completed = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+        self._size = 0
+        self._asked = -ASK_S
+
+    @property
+    def size(self) -> int:
+        """How many tasks can run at once, also by workers that are still on their way."""
+        now = time.monotonic()
+        if now - self._asked >= ASK_S:
+            threads: dict[str, int] = self._client.nthreads()
+            self._size, self._asked = sum(threads.values()), now
+        return max(self._most, self._size)
+
+    def processor_seconds(self) -> list[float]:
+        """Return what each worker process has used of processor time so far [s]."""
+        return list(self._client.run(time.process_time).values())
+
+    def submit(self, tasks: Sequence[Task], place: Place) -> None:
+        """Hand tasks out; a later attempt has a key of its own, as Dask remembers why a key died."""
+        again = "" if place.attempt == 1 else f"{place.attempt:04x}"
+        keys = {f"{task.key}{again}": task.key for task in tasks}
+        self._futures |= keys
+        units = [task.units for task in tasks]
+        arguments = (list(keys.values()), units, [place] * len(tasks))
+        self._completed.update(self._client.map(execute, *arguments, key=list(keys), pure=False))
+
+    def finished(self) -> Iterator[tuple[str, Outcome | None]]:
+        """Wait for at least one task; release its future at once."""
+        for future, result in self._completed.next_batch(block=True):
+            key = self._futures.pop(future.key)
+            future.release()
+            yield key, _outcome(key, future, result)
+
+
+def _outcome(key: str, future: Future[Any], result: Any) -> Outcome | None:
+    """Return what became of a task as Dask tells it; an exception here is the engine's or the machine's."""
+    if isinstance(result, Outcome):
+        return result
+    error = result[1] if isinstance(result, tuple) else result
+    if isinstance(error, KilledWorker | FutureCancelledError):
+        return None
+    return Outcome(key, "failed", error=f"{type(error).__name__}: {error}".partition("\n")[0])
+
+
+def serving(dashboard: str | None) -> dict[str, Any]:
+    """Return the options by which a cluster of Dask's serves its dashboard at HOST:PORT, or none."""
+    # Without an address the scheduler would take a well-known port for what it tells of its health.
+    return {
+        "dashboard_address": dashboard or "127.0.0.1:0",
+        "scheduler_kwargs": {"dashboard": dashboard is not None},
+    }
+
+
+@contextmanager
+def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers]:
+    """Start workers on this machine, warmed up, and stop them at the end whatever happens.
+
+    Parameters
+    ----------
+    workers
+        How many processes.
+    kinds
+        The module whose kinds they will run.
+    dashboard
+        Whether to serve Dask's dashboard, on the loopback address.
+    """
+    forks.start(kinds)
+    forked = {
+        "distributed.worker.multiprocessing-method": "forkserver",
+        "distributed.nanny.environ": {**os.environ, **ENVIRONMENT},  # the one that is forked may be older
+    }
+    with (
+        dask.config.set({**SETTINGS, **(forked if forks.POSSIBLE else {})}),
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            **serving("127.0.0.1:0" if dashboard else None),
+            memory_limit=0,  # the plan states the memory; pausing workers would only hide that it is wrong
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        if dashboard:
+            print(f"dashboard at {cluster.dashboard_link}", file=sys.stderr)
+        warm_up(client, kinds)
+        yield Workers(client)
+        with suppress(
+            TimeoutError
+        ):  # a worker that is just starting would complain aloud about being stopped
+            client.wait_for_workers(workers, timeout=10)
+
+
+@contextmanager
+def remote(address: str, security: Security | None, kinds: str) -> Iterator[Workers]:
+    """Use the workers of a scheduler that is running."""
+    with dask.config.set(SETTINGS), Client(address, security=security) as client:
+        client.wait_for_workers(1)
+        warm_up(client, kinds)
+        yield Workers(client)
+
+
+class Deaf(WorkerPlugin):
+    """Lets worker processes ignore Ctrl-C, which a terminal sends to all: the driver stops them."""
+
+    def setup(self, worker: Any) -> None:
+        """Ignore it; the plugin runs in the main thread, where alone that can be said."""
+        with suppress(ValueError):
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+class WarmUp(WorkerPlugin):
+    """Loads the compiled kernels in every worker before its first task, also where one replaces another."""
+
+    def __init__(self, kinds: str) -> None:
+        self._kinds = kinds
+
+    def setup(self, worker: Any) -> None:
+        """Load them."""
+        _warm(self._kinds)
+
+
+def warm_up(client: Client, kinds: str) -> None:
+    """Let one worker fill the compile cache, then all load it: two that compile into it at once can crash."""
+    client.register_plugin(Deaf())
+    first = next(iter(client.scheduler_info(n_workers=-1)["workers"]))
+    client.submit(_warm, kinds, workers=[first], pure=False).result()
+    client.register_plugin(WarmUp(kinds))
+
+
+def _warm(kinds: str) -> None:
+    importlib.import_module(kinds).warm_up()

@@ -1,0 +1,3 @@
+from tests.sweep.conftest import computed
+
+__all__ = ["computed"]

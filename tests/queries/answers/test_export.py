@@ -1,0 +1,62 @@
+"""Results as Parquet files say the same as the database, to a reader that knows nothing of it."""
+
+import csv
+
+import duckdb
+import pytest
+from click.testing import CliRunner
+
+from queries import cli
+from queries.answers import export
+from queries.database import connection as database
+from queries.database.ingest import ingest
+
+
+@pytest.fixture
+def exported(study, tmp_path):
+    soil = "x'; DROP TABLE cases; --/.."
+    directory = study.write(soils=(soil,), lines=10)
+    folder = tmp_path / "it's exported"
+    done = CliRunner().invoke(cli.export, [str(directory), str(folder)])
+    assert done.exit_code == 0, done.output
+    return directory, folder
+
+
+def test_every_row_is_in_the_files(exported):
+    directory, folder = exported
+    with database.connect(directory) as connection, duckdb.connect(":memory:") as reader:
+        for table in (*export.PARTITIONS, *export.SINGLE):
+            path = (
+                folder / table / "**" / "*.parquet"
+                if table in export.PARTITIONS
+                else folder / f"{table}.parquet"
+            )
+            columns = [column[0] for column in connection.execute(f"FROM {table} LIMIT 0").description]
+            names = ", ".join(f'"{name}"' for name in columns)
+            found = reader.execute(
+                f"SELECT {names} FROM read_parquet(?, hive_partitioning = true) ORDER BY ALL", [str(path)]
+            ).fetchall()
+            assert found == connection.execute(f"SELECT {names} FROM {table} ORDER BY ALL").fetchall(), table
+
+
+def test_folders_are_named_by_what_they_hold(exported):
+    _, folder = exported
+    assert (folder / "levels" / "approach=full" / "quantity=velocity").is_dir()
+    assert (folder / "psd" / "approach=full" / "case_id=case-0-150").is_dir()
+
+
+def test_every_column_is_explained(exported):
+    _, folder = exported
+    with (folder / "columns.csv").open() as file:
+        found = list(csv.DictReader(file))
+    assert {row["table"] for row in found} == {*export.PARTITIONS, *export.SINGLE}
+    assert all(row["meaning"] for row in found)
+
+
+def test_a_folder_that_holds_something_is_left_alone(study, tmp_path):
+    ingest(study.write(lines=10))
+    (tmp_path / "mine").touch()
+    done = CliRunner().invoke(cli.export, [str(study.directory), str(tmp_path)])
+    assert done.exit_code == 2
+    assert "is there already" in done.stderr
+    assert (tmp_path / "mine").exists()

@@ -1,0 +1,54 @@
+"""Canonical frequencies: nested, shared edges, exact interpolation of polynomials."""
+
+import numpy as np
+import pytest
+
+from railvib.numerics import frequency_blocks as blocks
+
+
+def test_edges_meet_and_are_those_of_one_third_octaves():
+    assert blocks.edges(0)[0] == pytest.approx(10**0.05)
+    for block in range(-3, 6):
+        assert blocks.edges(block)[1] == pytest.approx(blocks.edges(block + 1)[0], rel=1e-14)
+
+
+@pytest.mark.parametrize("level", [0, 1, 3])
+@pytest.mark.parametrize("block", [-3, 0, 4])
+def test_levels_are_nested(block, level):
+    k = blocks.indices(block, level)
+    np.testing.assert_allclose(blocks.frequency(level, k), blocks.frequency(level + 1, 2 * k), rtol=1e-14)
+    inside = blocks.frequency(level, k)[blocks.HALO : -blocks.HALO]
+    np.testing.assert_allclose(inside[[0, -1]], blocks.edges(block), rtol=1e-13)
+    halfway = blocks.halfway(block, level, 5)
+    assert np.all(halfway % 2 == 1)
+    low, high = blocks.edges(block)
+    assert np.all(
+        (blocks.frequency(level + 1, halfway) > low) & (blocks.frequency(level + 1, halfway) < high)
+    )
+
+
+@pytest.mark.parametrize("level", [0, 2])
+def test_interpolation_is_exact_for_seventh_degree_in_ln_f(level):
+    tabulated = blocks.frequency(level, blocks.indices(1, level))
+    low, high = blocks.edges(1)
+    f = np.concatenate([np.geomspace(low, high, 57), tabulated[blocks.HALO : -blocks.HALO]])
+    f = np.clip(f, low, high)
+
+    def polynomial(x):
+        t = np.log10(x) - 0.75
+        return np.stack([1.0 + t - 3.0 * t**5 + 2j * t**7, t**6 + 0j * t], axis=1)
+
+    value = blocks.interpolated(1, level, f, polynomial(tabulated))
+    np.testing.assert_allclose(value, polynomial(f), rtol=0, atol=1e-11)
+
+
+def test_every_frequency_has_a_block():
+    f = np.array([0.001, 0.5, 1.0, 10**0.05, 3.0, 20.0, 1e4])
+    which = blocks.assigned(f, range(-3, 4))
+    np.testing.assert_array_equal(which, [-3, -1, -1, 0, 0, 2, 3])
+    for each, block in zip(f[1:-1], which[1:-1], strict=True):
+        low, high = blocks.edges(int(block))
+        assert low * (1.0 - 1e-9) <= each <= high * (1.0 + 1e-9)
+    assert blocks.edges(blocks.up_to(100.0)[-1])[1] >= 100.0
+    assert blocks.edges(blocks.up_to(100.0)[-1])[0] < 100.0
+    assert blocks.up_to(100.0)[0] == blocks.LOWEST

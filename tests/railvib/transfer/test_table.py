@@ -1,0 +1,163 @@
+"""Tables of transfer functions against direct evaluation, between their nodes and frequencies, and their
+independence.
+"""
+
+import numpy as np
+import pytest
+
+from railvib.numerics import frequency_blocks as blocks
+from railvib.parameters.ground import Ground, Layer
+from railvib.soil.quadrature import strip_compliance_by_quadrature
+from railvib.soil.rational_fit import RationalFit
+from railvib.transfer import tabulate
+from railvib.transfer.table import TransferFunction
+from railvib.transfer.tabulate import distance_class, largest_wavenumber, transfer_blocks
+from railvib.transfer.track_response import track_response
+
+SOFT = Ground(
+    layers=[
+        Layer(shear_speed=110.0, dilatational_speed=300.0, density=1700.0, loss_factor=0.08, thickness=3.0),
+        Layer(shear_speed=220.0, dilatational_speed=500.0, density=1900.0, loss_factor=0.06),
+    ]
+)
+RECEIVERS = ("rail", 0.0, 5.0, 20.0, 1.0)
+"""The last one beside the centre line, under the track."""
+
+
+@pytest.fixture(scope="module")
+def functions(track, tables):
+    return tables(SOFT, track, range(-3, 3), RECEIVERS)
+
+
+def direct(track, receiver, frequency, beta):
+    y = 0.0 if receiver == "rail" else receiver
+    c = strip_compliance_by_quadrature(SOFT, track.half_width, beta, [0.0, y], frequency, 1e-8)
+    rail, force = track_response(track, beta, 2.0 * np.pi * frequency, c[0])
+    return complex(rail if receiver == "rail" else force * c[1])
+
+
+@pytest.mark.parametrize("receiver", RECEIVERS)
+def test_against_direct_evaluation(receiver, functions, track):
+    """At random places, none of them a node: 1e-4 where there is 1e-8 of the peak."""
+    rng = np.random.default_rng([3, RECEIVERS.index(receiver)])
+    for _ in range(25):
+        f = float(np.exp(rng.uniform(np.log(0.1), np.log(35.0))))
+        beta = float(2.0 * np.pi * f / 95.0 * rng.uniform(0.0, 1.4))
+        expected = direct(track, receiver, f, beta)
+        peak = np.abs(
+            functions[receiver].along(np.full(60, f), 2.0 * np.pi * f / 95.0 * np.linspace(0.0, 1.3, 60))
+        ).max()
+        value = functions[receiver].along(np.array([f]), np.array([beta]))[0]
+        assert abs(value - expected) < 1e-4 * max(abs(expected), 1e-4 * peak), (f, beta)
+
+
+def test_response_of_the_rail(functions, track):
+    """The same by `response`, whose frequency may be negative, or zero, or below the tables."""
+    rail = functions["rail"]
+    omega = np.array([60.0, -60.0, 0.0, 1e-3, -1e-3])
+    value = rail.response(np.array([0.5, -0.5, 0.5, 0.5, 0.5]), omega)
+    assert abs(value[0] / direct(track, "rail", 60.0 / (2.0 * np.pi), 0.5) - 1.0) < 1e-4
+    assert value[1] == pytest.approx(np.conj(value[0]))
+    assert abs(value[2] / direct(track, "rail", 0.02, 0.5) - 1.0) < 1e-4
+    assert value[3] == value[2]
+    assert value[4] == np.conj(value[3])
+    with pytest.raises(ValueError, match="above the tabulated"):
+        rail.response(np.array([0.1]), np.array([2.0 * np.pi * 50.0]))
+
+
+def test_beyond_the_table(functions, track):
+    ground = functions[5.0]
+    beta = np.geomspace(45.0, 1e4, 20000)
+    for frequency in (0.5, 10.0, 30.0):
+        np.testing.assert_array_equal(ground.along(np.full(20000, frequency), beta), 0.0)
+    assert largest_wavenumber(track) == pytest.approx((2000.0 * 1e9 / 12.8e6) ** 0.25)
+
+
+def test_blocks_join(functions):
+    """Two neighbouring blocks give the same at their common edge."""
+    for receiver in RECEIVERS:
+        for block in (0, 1):
+            edge = np.array([blocks.edges(block)[1]])
+            beta = 2.0 * np.pi * edge[0] / 95.0 * np.linspace(0.05, 1.2, 24)
+            sides = [
+                functions[receiver].along(edge.repeat(24) * (1.0 + shift), beta) for shift in (-1e-10, 1e-10)
+            ]
+            assert np.abs(sides[0] - sides[1]).max() < 1e-4 * np.abs(sides[0]).max()
+
+
+def test_many_receivers_are_handed_on_some_at_a_time(functions, track):
+    """With the same arrays of what they have in common, and the same values as alone."""
+    made = list(tabulate.transfer_blocks_by_class(SOFT, track, -3, np.linspace(8.5, 15.5, 41).tolist()))
+    assert list(map(len, made)) == [tabulate.VALUES_AT_ONCE, 41 - tabulate.VALUES_AT_ONCE]
+    tables = {receiver: table for batch in made for receiver, table in batch.items()}
+    for table in tables.values():
+        assert table.compliance is tables[8.5].compliance
+        assert table.wavenumber is tables[8.5].wavenumber
+    alone = transfer_blocks(SOFT, track, -3, [15.5])[15.5]
+    for name in ("frequency", "wavenumber", "transfer", "compliance", "pole"):
+        np.testing.assert_array_equal(getattr(alone, name), getattr(tables[15.5], name))
+
+
+def test_a_receiver_does_not_depend_on_the_others(functions, track):
+    alone = transfer_blocks(SOFT, track, 1, [5.0])[5.0]
+    together = functions[5.0].blocks[1]
+    np.testing.assert_array_equal(alone.transfer, together.transfer)
+    np.testing.assert_array_equal(alone.frequency, together.frequency)
+    for name in ("level", "square_level", "reference_slowness", "interpolation_error"):
+        assert getattr(alone, name) == getattr(together, name)
+    assert [distance_class(each) for each in ("rail", 0.0, 8.0, 8.1, 100.0)] == [8.0, 8.0, 8.0, 16.0, 128.0]
+
+
+def test_certificates(functions):
+    for receiver in RECEIVERS:
+        for table in functions[receiver].blocks.values():
+            assert table.interpolation_error < 1e-4
+            assert table.compliance_error < 1e-4
+            assert not table.quadrature
+
+
+@pytest.mark.parametrize("receiver", RECEIVERS)
+def test_the_error_that_a_table_states_is_that_of_what_is_read_from_it(receiver, functions, track):
+    """Half-way between its frequencies, against direct values, with another code that interpolates."""
+    for block in (-3, 0, 2):
+        table = functions[receiver].blocks[block]
+        places = blocks.halfway(block, table.level, 5)
+        f = blocks.frequency(table.level + 1, places)
+        beta, found = functions[receiver].at(block, f)
+        offset = 0.0 if receiver == "rail" else receiver
+        evaluate = tabulate.Evaluation(tabulate.GroundFits(SOFT, block, 1e-10), track, [offset], 1e-4)
+        values = np.array(
+            [evaluate(table.level + 1, int(k), row) for k, row in zip(places, beta, strict=True)]
+        )
+        direct = values[:, evaluate.row(receiver)]
+        under = values[:, evaluate.row("rail" if receiver == "rail" else 0.0)]
+        size = np.maximum(np.abs(direct), 1e-8 * np.abs(under).max(axis=1, keepdims=True))
+        error = (np.abs(found - direct) / size).max()
+        assert error == pytest.approx(table.interpolation_error, rel=1e-3, abs=1e-11)
+
+
+def test_quadrature_takes_over_where_the_fit_fails(track, monkeypatch):
+    """A fit that misses its tolerance is not used: quadrature gives the same, and the record says so."""
+
+    def failing(self, level, k):
+        return RationalFit(np.array([1j]), np.array([1.0 + 0j]), 0j, 1.0, np.array([0.0]))
+
+    ground = Ground(
+        layers=[Layer(shear_speed=200.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.2)]
+    )
+    fits = tabulate.GroundFits(ground, -3, 1e-10)
+    beta = np.linspace(0.0, 3.0, 9)
+    evaluate = tabulate.Evaluation(fits, track, [8.0], 1e-4)
+    fitted = evaluate(0, int(blocks.indices(-3, 0)[0]), beta)
+    assert not evaluate.failed
+    monkeypatch.setattr(tabulate.GroundFits, "at", failing)
+    again = tabulate.Evaluation(fits, track, [8.0], 1e-4)
+    computed = again(0, int(blocks.indices(-3, 0)[0]), beta)
+    np.testing.assert_allclose(computed, fitted, rtol=1e-6)
+    assert len(again.failed) == 1
+
+
+def test_static_below_the_tables(functions):
+    function = TransferFunction(functions["rail"].blocks.values())
+    assert function.lowest == pytest.approx(10 ** (0.05 - 1.5))
+    assert function.highest == pytest.approx(10**1.55)

@@ -1,0 +1,659 @@
+import dataclasses
+import json
+import math
+import multiprocessing
+import os
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+import xarray
+import zarr
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from sweep.storage import checksums, codec, fields, store
+from sweep.storage.cache import Latest
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency"})
+    transfer: np.ndarray = field(
+        metadata={"dims": ("frequency", "node"), "unit": "m2/N", "description": "transfer"}
+    )
+    count: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "1"})
+    constant: complex = field(metadata={"dims": (), "unit": "m"})
+    label: str
+    receivers: tuple[str, ...]
+    level: int
+    error: float
+    slowness: complex
+    extra: np.ndarray | None = field(default=None, metadata={"dims": ("extra",)})
+
+
+@dataclass(frozen=True)
+class Table:
+    """What lies in one group with others that have the same frequencies."""
+
+    frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz"})
+    transfer: np.ndarray = field(
+        metadata={"dims": ("frequency",), "unit": "m2/N", "called_by": "name", "own": "receiver"}
+    )
+    name: str = field(metadata={"own": "receiver"})
+    offset: float = field(metadata={"own": "receiver"})
+    level: int
+
+
+COMMON = np.array([1.0, 2.0])
+TABLES = {
+    "8": Table(COMMON, np.array([1.0, 2.0j]), "ground", math.nan, 3),
+    "12.5": Table(COMMON, np.array([3.0, 4.0j]), "ground", 12.5, 3),
+    "24": Table(COMMON.copy(), np.array([5.0, 6.0j]), "ground", 24.0, 3),
+    "rail": Table(COMMON, np.array([7.0, 8.0j]), "rail", math.nan, 3),
+}
+"""By label. The third one has other frequencies, though they are as large, and the last one another name."""
+
+
+def example():
+    draw = np.random.default_rng(1)
+    return Spectrum(
+        frequency=np.array([1.0, 2.0, np.nan]),
+        transfer=draw.normal(size=(3, 5)) + 1j * draw.normal(size=(3, 5)),
+        count=np.arange(3),
+        constant=1.0 - 2.0j,
+        label="a",
+        receivers=("rail", "ground"),
+        level=2,
+        error=math.nan,
+        slowness=3.0 + math.inf * 1j,
+    )
+
+
+@pytest.fixture
+def spectrum():
+    return example()
+
+
+def write(home, spectrum):
+    return store.write(home, "spectrum/1", spectrum, {"kind": "spectrum"})
+
+
+def read(home, written):
+    return store.read(home, written.group, Spectrum, written.arrays)
+
+
+def assert_equal(one, other):
+    for each in dataclasses.fields(one):
+        np.testing.assert_equal(getattr(one, each.name), getattr(other, each.name))
+        assert type(getattr(one, each.name)) is type(getattr(other, each.name)) or each.name == "constant"
+
+
+def test_a_result_comes_back_bit_by_bit(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    assert_equal(read(tmp_path, written), spectrum)
+    files = [path for path in (tmp_path / store.STORE / written.group).rglob("*") if path.is_file()]
+    assert written.bytes_written == sum(path.stat().st_size for path in files)
+
+
+@pytest.mark.parametrize("chunk_bytes", [200, store.CHUNK_BYTES])
+def test_a_group_in_the_earlier_form_comes_back(tmp_path, spectrum, monkeypatch, chunk_bytes):
+    """Chunks once lay in folders of their own, `c/0/0`."""
+    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    with monkeypatch.context() as earlier:
+        earlier.setattr(codec, "_SEPARATOR", "/")
+        written = write(tmp_path, spectrum)
+    folder = tmp_path / store.STORE / written.group
+    assert (folder / "transfer" / "c" / "0" / "0").is_file()
+    assert_equal(read(tmp_path, written), spectrum)
+    now = write(tmp_path, spectrum)
+    assert now.group != written.group
+    assert now.arrays == written.arrays
+
+
+def test_an_array_takes_one_folder(tmp_path, spectrum):
+    folder = tmp_path / store.STORE / write(tmp_path, spectrum).group
+    assert {path.name for path in folder.rglob("*") if path.is_dir()} == {
+        "frequency",
+        "transfer",
+        "count",
+        "constant",
+    }
+
+
+def test_arrays_that_were_read_can_be_written_to(tmp_path, spectrum):
+    """Others would be another type to compiled kernels, which would compile anew for them."""
+    found = read(tmp_path, write(tmp_path, spectrum))
+    for name in ("frequency", "transfer", "count"):
+        assert getattr(found, name).flags.writeable
+        assert getattr(found, name).flags.c_contiguous
+        assert getattr(found, name).flags.aligned
+
+
+def test_what_was_written_is_restored_as_it_is_read(tmp_path, spectrum):
+    """Whatever the order of an array in memory was: arithmetic may depend on that."""
+    turned = dataclasses.replace(spectrum, transfer=np.asfortranarray(spectrum.transfer))
+    written = write(tmp_path, turned)
+    held, found = store.restored(written, Spectrum), read(tmp_path, written)
+    assert_equal(held, found)
+    for each in dataclasses.fields(Spectrum):
+        one, other = getattr(held, each.name), getattr(found, each.name)
+        if isinstance(one, np.ndarray):
+            assert (one.dtype, one.strides, one.flags.writeable) == (
+                other.dtype,
+                other.strides,
+                other.flags.writeable,
+            )
+
+
+def test_plain_arrays_and_attributes(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    arrays, attributes = store.read_arrays(tmp_path, written.group)
+    np.testing.assert_array_equal(arrays["transfer"], spectrum.transfer)
+    assert arrays.keys() == {"frequency", "transfer", "count", "constant"}
+    assert attributes["receivers"] == ["rail", "ground"]
+    assert attributes["kind"] == "spectrum"
+
+
+def test_xarray_opens_it(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    with xarray.open_zarr(tmp_path / store.STORE / written.group) as dataset:
+        assert dataset.transfer.dims == ("frequency", "node")
+        assert dataset.transfer.attrs == {"units": "m2/N", "long_name": "transfer"}
+        np.testing.assert_array_equal(dataset.transfer.values, spectrum.transfer)
+
+
+def test_the_store_can_be_walked_and_a_missing_chunk_is_nan(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    array = zarr.open_group(tmp_path / store.STORE, mode="r")[f"{written.group}/transfer"]
+    assert np.isnan(array.fill_value)
+    assert array.chunks == (3, 5)
+
+
+def test_large_arrays_are_cut_along_rows(tmp_path, spectrum, monkeypatch):
+    monkeypatch.setattr(store, "CHUNK_BYTES", 200)
+    written = write(tmp_path, spectrum)
+    array = zarr.open_group(tmp_path / store.STORE, mode="r")[f"{written.group}/transfer"]
+    assert array.chunks == (2, 5)
+    assert_equal(read(tmp_path, written), spectrum)
+
+
+def test_arrays_of_wrong_shape_are_refused(tmp_path, spectrum):
+    with pytest.raises(ValueError, match="transfer.*does not fit"):
+        write(tmp_path, dataclasses.replace(spectrum, transfer=np.zeros(3)))
+    with pytest.raises(ValueError, match="4 along frequency, others have 3"):
+        write(tmp_path, dataclasses.replace(spectrum, count=np.arange(4)))
+    assert list(tmp_path.iterdir()) == []
+
+
+def stored_together(home, *labels):
+    """Store tables as one group; return what was written by label."""
+    made = {label: fields.split(TABLES[label]).saying(unit_id=f"id-{label}") for label in labels}
+    return dict(zip(labels, store.Writer(home).together("table/1", made, {"kind": "table"}), strict=True))
+
+
+@pytest.fixture(params=["needed", "whole"])
+def read_member(tmp_path, request):
+    """Read one of several results of a group: what is needed of it, or after a look at all metadata."""
+
+    def one(written):
+        recorded = written.recorded()
+        if request.param == "whole":
+            recorded["group_metadata"] = None
+        return store.read(tmp_path, kind=Table, **recorded)
+
+    return one
+
+
+def test_results_that_differ_in_what_is_their_own_lie_together():
+    sharing = {label: fields.split(table).sharing for label, table in TABLES.items()}
+    assert sharing["8"] == sharing["12.5"]
+    assert len(set(sharing.values())) == 3
+    longer = dataclasses.replace(TABLES["8"], transfer=np.zeros(3))
+    with pytest.raises(ValueError, match="3 along frequency"):
+        fields.split(longer)
+    for changed in ({"level": 4}, {"transfer": np.zeros(2)}):  # real numbers lie not among complex ones
+        other = dataclasses.replace(TABLES["8"], **changed)
+        assert fields.split(other).sharing != sharing["8"]
+
+
+@pytest.mark.parametrize("chunk_bytes", [20, store.CHUNK_BYTES])
+def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member, monkeypatch, chunk_bytes):
+    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    written = stored_together(tmp_path, "8", "12.5")
+    assert written["8"].group == written["12.5"].group
+    folder = tmp_path / store.STORE / written["8"].group
+    assert sorted(path.name for path in folder.iterdir()) == ["frequency", "ground", "zarr.json"]
+    assert sum(each.bytes_written for each in written.values()) == sum(
+        path.stat().st_size for path in folder.rglob("*") if path.is_file()
+    )
+    for label, each in written.items():
+        assert_equal(read_member(each), TABLES[label])
+        assert_equal(store.restored(each, Table), TABLES[label])
+        store.check(tmp_path, each.recorded())
+        stored = store.read_array(tmp_path, each.group, each.member, "ground")
+        np.testing.assert_array_equal(stored, TABLES[label].transfer)
+        stored = store.read_array(tmp_path, each.group, each.member, "frequency")
+        np.testing.assert_array_equal(stored, COMMON)
+    arrays, attributes = store.read_recorded(tmp_path, written["12.5"].recorded())
+    assert arrays.keys() == {"frequency", "ground"}
+    said = {"name": "ground", "offset": 12.5, "unit_id": "id-12.5"}
+    assert attributes == {"kind": "table", "level": 3, **said}
+
+
+@pytest.mark.parametrize("chunk_bytes", [20, store.CHUNK_BYTES])
+def test_a_group_of_several_results_opens_as_one_dataset(tmp_path, monkeypatch, chunk_bytes):
+    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    written = stored_together(tmp_path, "8", "12.5")
+    with xarray.open_zarr(tmp_path / store.STORE / written["8"].group) as dataset:
+        assert dataset.attrs == {"kind": "table", "level": 3}
+        both = [TABLES[label].transfer for label in written]
+        np.testing.assert_array_equal(dataset.ground.values, both)
+        assert dataset.ground.dims == ("receiver", "frequency")
+        assert list(dataset.ground.attrs["members"]) == ["8", "12.5"]
+        assert dataset.ground.attrs["members"]["12.5"]["offset"] == 12.5
+    arrays, _ = store.read_arrays(tmp_path, written["8"].group)
+    np.testing.assert_array_equal(arrays["ground"], both)
+
+
+def test_a_result_is_the_same_whichever_others_lie_with_it(tmp_path, read_member):
+    alone = stored_together(tmp_path, "12.5")["12.5"]
+    beside = stored_together(tmp_path, "8", "12.5")["12.5"]
+    assert alone.group != beside.group
+    assert (alone.arrays, alone.attributes) == (beside.arrays, beside.attributes)
+    assert_equal(read_member(alone), read_member(beside))
+
+
+@pytest.mark.parametrize(("damaged", "hit"), [("frequency/c.0", {"8", "12.5"}), ("ground/c.1.0", {"12.5"})])
+def test_damage_of_one_array_is_that_of_the_results_that_have_it(tmp_path, read_member, damaged, hit):
+    written = stored_together(tmp_path, "8", "12.5")
+    (tmp_path / store.STORE / written["8"].group / damaged).unlink()
+    for label, each in written.items():
+        if label in hit:
+            with pytest.raises(store.DamagedError, match="table/1"):
+                read_member(each)
+            with pytest.raises(store.DamagedError, match="table/1"):
+                store.check(tmp_path, each.recorded())
+        else:
+            assert_equal(read_member(each), TABLES[label])
+            store.check(tmp_path, each.recorded())
+
+
+def test_results_that_have_changed_places_are_damaged(tmp_path, read_member):
+    written = stored_together(tmp_path, "8", "12.5")
+    folder = tmp_path / store.STORE / written["8"].group / "ground"
+    (folder / "c.0.0").rename(folder / "aside")
+    (folder / "c.1.0").rename(folder / "c.0.0")
+    (folder / "aside").rename(folder / "c.1.0")
+    for each in written.values():
+        with pytest.raises(store.DamagedError, match="ground is not the one recorded"):
+            read_member(each)
+
+
+@pytest.mark.parametrize("path", ["zarr.json", "ground/zarr.json", "frequency/zarr.json"])
+def test_altered_metadata_of_a_group_are_those_of_all_its_results(tmp_path, path):
+    written = stored_together(tmp_path, "8", "12.5")
+    place = tmp_path / store.STORE / written["8"].group / path
+    place.write_text(place.read_text().replace('"units":"m2/N"', '"units":"m3/N"').replace('"Hz"', '"kHz"'))
+    for each in written.values():
+        with pytest.raises(store.DamagedError, match="metadata"):
+            store.check(tmp_path, each.recorded())
+
+
+def test_a_record_that_names_another_result_is_damage(tmp_path, read_member):
+    written = stored_together(tmp_path, "8", "12.5")
+    for member in ("8", "24", None):
+        with pytest.raises(store.DamagedError):
+            read_member(dataclasses.replace(written["12.5"], member=member))
+
+
+def test_results_that_differ_in_other_things_are_refused(tmp_path):
+    for other in (TABLES["24"], TABLES["rail"], dataclasses.replace(TABLES["8"], level=4)):
+        named = {"one": fields.split(TABLES["8"]), "other": fields.split(other)}
+        with pytest.raises(ValueError, match="differ in what is not their own"):
+            store.Writer(tmp_path).together("table/1", named, {})
+    assert list(tmp_path.iterdir()) == []
+
+
+def damage(home, written, how):
+    group = home / store.STORE / written.group
+    path = group / "transfer" / "c.0.0"
+    if how == "flip":
+        content = bytearray(path.read_bytes())
+        content[10] ^= 1
+        path.write_bytes(content)
+    elif how == "truncate":
+        path.write_bytes(path.read_bytes()[:-8])
+    elif how == "delete":
+        path.unlink()
+    elif how == "metadata":
+        (group / "zarr.json").write_text("{")
+    elif how == "replace":
+        zarr.open_group(group, mode="r+")["transfer"][0, 0] = 7.0
+    return path
+
+
+@pytest.mark.parametrize("how", ["flip", "truncate", "delete", "metadata", "replace"])
+def test_damage_is_found_against_the_record(tmp_path, spectrum, how):
+    written = write(tmp_path, spectrum)
+    damage(tmp_path, written, how)
+    with pytest.raises(store.DamagedError, match="spectrum/1"):
+        read(tmp_path, written)
+
+
+def test_altered_attributes_are_found_against_the_record(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    record = written.recorded()
+    store.check(tmp_path, record)
+    path = tmp_path / store.STORE / written.group / "zarr.json"
+    path.write_text(path.read_text().replace('"level":2', '"level":3'))
+    assert read(tmp_path, written).level == 3
+    with pytest.raises(store.DamagedError, match="metadata"):
+        store.check(tmp_path, record)
+    with pytest.raises(store.DamagedError, match="metadata"):
+        store.read(tmp_path, written.group, Spectrum, written.arrays, written.metadata)
+
+
+def test_a_missing_group_is_damage(tmp_path):
+    with pytest.raises(store.DamagedError, match="spectrum/2"):
+        store.read_arrays(tmp_path, "spectrum/2")
+
+
+def test_a_damaged_group_is_replaced(tmp_path, spectrum):
+    damage(tmp_path, write(tmp_path, spectrum), "delete")
+    written = write(tmp_path, spectrum)
+    assert_equal(read(tmp_path, written), spectrum)
+    assert list((tmp_path / f"{store.STORE}.partial").iterdir()) == []
+
+
+def test_another_result_for_the_same_unit_leaves_the_first_one_alone(tmp_path, spectrum):
+    first = write(tmp_path, spectrum)
+    second = write(tmp_path, dataclasses.replace(spectrum, transfer=spectrum.transfer + 1.0))
+    assert first.group != second.group
+    assert_equal(read(tmp_path, first), spectrum)
+
+
+@pytest.mark.parametrize("linking", [True, False])
+def test_what_results_have_in_common_is_stored_once(tmp_path, spectrum, monkeypatch, linking):
+    """Each group is whole for any reader, also where a file system gives files no second name."""
+    if not linking:
+        link = os.link
+
+        def of_records_alone(there, name):
+            if "zarr.partial" in name:
+                raise OSError
+            link(there, name)
+
+        monkeypatch.setattr(os, "link", of_records_alone)
+    writer = store.Writer(tmp_path)
+    other = dataclasses.replace(spectrum, transfer=2.0 * spectrum.transfer)
+    first, second = (writer(f"spectrum/{n}", made, {}) for n, made in enumerate((spectrum, other)))
+    assert second.arrays["frequency"] == first.arrays["frequency"]
+    files = [tmp_path / store.STORE / each.group / "frequency" / "c.0" for each in (first, second)]
+    assert files[0].samefile(files[1]) is linking
+    heads = [path.parents[1] / "transfer" / "zarr.json" for path in files]
+    assert heads[0].samefile(heads[1]) is linking  # the same is said of both, though they are not the same
+    assert (second.bytes_written < first.bytes_written) is linking
+    assert not os.path.samefile(*(path.parents[1] / "transfer" / "c.0.0" for path in files))
+    for written, made in ((first, spectrum), (second, other)):
+        alone = store.write(tmp_path / "alone", written.group.rpartition("-")[0], made, {})
+        assert (alone.group, alone.arrays, alone.metadata) == (
+            written.group,
+            written.arrays,
+            written.metadata,
+        )
+        assert_equal(read(tmp_path, written), made)
+        with xarray.open_zarr(tmp_path / store.STORE / written.group) as dataset:
+            np.testing.assert_array_equal(dataset.transfer.values, made.transfer)
+            assert dataset.transfer.dims == ("frequency", "node")
+
+
+def test_settling_lets_go_of_what_one_result_alone_has_had(tmp_path, spectrum):
+    writer = store.Writer(tmp_path)
+    results = [dataclasses.replace(spectrum, transfer=each * spectrum.transfer) for each in (1.0, 2.0, 3.0)]
+    groups = [writer(f"spectrum/{n}", made, {}).group for n, made in enumerate(results[:2])]
+    writer.settle()
+    groups.append(writer("spectrum/2", results[2], {}).group)
+    groups.append(writer("spectrum/3", results[0], {}).group)
+    first, *others = (tmp_path / store.STORE / group for group in groups)
+    assert all((first / "frequency" / "c.0").samefile(each / "frequency" / "c.0") for each in others)
+    again = others[-1] / "transfer" / "c.0.0"
+    assert not (first / "transfer" / "c.0.0").samefile(again)
+    assert (first / "transfer" / "c.0.0").read_bytes() == again.read_bytes()
+
+
+def test_an_array_in_the_place_of_one_that_is_gone_is_another(tmp_path, spectrum):
+    writer = store.Writer(tmp_path)
+    written = []
+    for factor in range(20):  # each product takes the memory of the one before
+        made = dataclasses.replace(spectrum, transfer=factor * spectrum.transfer)
+        written.append(writer("spectrum/1", made, {}))
+        del made
+    for factor, each in enumerate(written):
+        np.testing.assert_array_equal(read(tmp_path, each).transfer, factor * spectrum.transfer)
+
+
+def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path, spectrum):
+    writer = store.Writer(tmp_path)
+    other = dataclasses.replace(spectrum, transfer=2.0 * spectrum.transfer)
+    first, second = (writer(f"spectrum/{n}", made, {}) for n, made in enumerate((spectrum, other)))
+    path = tmp_path / store.STORE / first.group / "frequency" / "c.0"
+    path.write_bytes(path.read_bytes()[:-8])
+    for written in (first, second):
+        with pytest.raises(store.DamagedError):
+            read(tmp_path, written)
+    store.write(tmp_path, "spectrum/0", spectrum, {})
+    assert_equal(read(tmp_path, first), spectrum)
+    store.write(tmp_path, "spectrum/1", other, {})
+    assert_equal(read(tmp_path, second), other)
+
+
+def test_what_is_said_of_arrays_is_compared_also_where_some_are_in_memory(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+
+    def whole():
+        return store.read(tmp_path, written.group, Spectrum, written.arrays, written.metadata)
+
+    found = whole()
+    path = tmp_path / store.STORE / written.group / "zarr.json"
+    said = path.read_text()
+    for text, other in (('level":2', 'level":3'), ("m2/N", "m2/kN"), ("consolidated", "other")):
+        path.write_text(said.replace(text, other))
+        with pytest.raises(store.DamagedError, match="metadata"):
+            whole()
+    path.write_text(said)
+    assert whole().transfer is found.transfer
+
+
+def test_an_array_in_memory_is_not_read_again(tmp_path, spectrum):
+    """What several results have in common is held once; who asks for all to be compared gets it read."""
+    written = write(tmp_path, spectrum)
+    found = read(tmp_path, written)
+    (tmp_path / store.STORE / written.group / "transfer" / "c.0.0").unlink()
+    assert read(tmp_path, written).transfer is found.transfer
+    with pytest.raises(store.DamagedError, match="transfer"):
+        store.check(tmp_path, {"group": written.group, "arrays": written.arrays})
+    del found
+    with pytest.raises(store.DamagedError, match="transfer"):
+        read(tmp_path, written)
+
+
+def whole(home, written):
+    record = written.arrays, written.metadata, written.group_metadata
+    return store.read(home, written.group, Spectrum, *record)
+
+
+@pytest.mark.parametrize("how", ["flip", "truncate", "delete", "metadata", "replace"])
+def test_damage_is_found_also_where_the_array_was_read_before(tmp_path, spectrum, how):
+    written = write(tmp_path, spectrum)
+    assert_equal(whole(tmp_path, written), spectrum)
+    damage(tmp_path, written, how)
+    with pytest.raises(store.DamagedError, match="spectrum/1"):
+        whole(tmp_path, written)
+
+
+@pytest.fixture
+def hashed(monkeypatch):
+    """The arrays whose sha256 has been asked for, by their shapes."""
+    shapes = []
+    checksum = checksums.checksum
+    monkeypatch.setattr(checksums, "checksum", lambda array: shapes.append(array.shape) or checksum(array))
+    monkeypatch.setattr(checksums, "_chunks", Latest(checksums.REMEMBERED))
+    return shapes
+
+
+def test_an_array_is_hashed_once_but_where_all_is_to_be_compared(tmp_path, spectrum, hashed):
+    written = write(tmp_path, spectrum)
+    checksums._chunks.clear()  # as another process would have it
+    hashed.clear()
+    for _ in range(2):
+        assert_equal(whole(tmp_path, written), spectrum)
+    assert sorted(hashed) == [(), (3,), (3,), (3, 5)]
+    store.check(tmp_path, written.recorded())
+    assert sorted(hashed) == sorted(2 * [(), (3,), (3,), (3, 5)])
+
+
+@pytest.mark.parametrize("chunk_bytes", [100, store.CHUNK_BYTES])
+def test_what_this_process_has_written_is_not_hashed(tmp_path, spectrum, hashed, monkeypatch, chunk_bytes):
+    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    written = write(tmp_path, spectrum)
+    hashed.clear()
+    assert_equal(whole(tmp_path, written), spectrum)
+    assert hashed == []
+
+
+def test_arrays_of_a_record_come_with_the_attributes_of_the_group(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    arrays, attributes = store.read_recorded(tmp_path, written.recorded())
+    assert arrays.keys() == written.arrays.keys()
+    np.testing.assert_array_equal(arrays["transfer"], spectrum.transfer)
+    assert attributes["receivers"] == ["rail", "ground"]
+    del arrays
+    damage(tmp_path, written, "replace")
+    with pytest.raises(store.DamagedError, match="transfer is not the one recorded"):
+        store.read_recorded(tmp_path, written.recorded())
+
+
+def test_the_arrays_remembered_are_limited(tmp_path, spectrum, hashed, monkeypatch):
+    monkeypatch.setattr(checksums, "_chunks", Latest(2))
+    written = write(tmp_path, spectrum)
+    hashed.clear()
+    for _ in range(2):
+        assert_equal(whole(tmp_path, written), spectrum)
+    assert len(hashed) == 8
+
+
+@pytest.mark.parametrize(("entry", "other"), [("shape", [5, 3]), ("dtype", "float64"), ("sha256", "0" * 64)])
+def test_another_record_of_an_array_that_was_read_is_told_apart(tmp_path, spectrum, entry, other):
+    written = write(tmp_path, spectrum)
+    whole(tmp_path, written)
+    arrays = {**written.arrays, "transfer": {**written.arrays["transfer"], entry: other}}
+    with pytest.raises(store.DamagedError, match="transfer is not the one recorded"):
+        whole(tmp_path, dataclasses.replace(written, arrays=arrays))
+
+
+def test_arrays_that_the_record_lacks_or_has_beside_are_damage(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    fewer = {name: each for name, each in written.arrays.items() if name != "count"}
+    for arrays in (fewer, {**written.arrays, "other": written.arrays["count"]}):
+        with pytest.raises(store.DamagedError, match="array (count|other)"):
+            whole(tmp_path, dataclasses.replace(written, arrays=arrays))
+        with pytest.raises(store.DamagedError, match="array (count|other)"):
+            store.check(tmp_path, {**written.recorded(), "arrays": arrays})
+
+
+def test_a_group_repeats_what_its_arrays_say_and_that_is_what_is_read(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    group = tmp_path / store.STORE / written.group
+    repeated = json.loads((group / "zarr.json").read_text())["consolidated_metadata"]["metadata"]
+    assert repeated == {name: json.loads((group / name / "zarr.json").read_text()) for name in repeated}
+    assert repeated.keys() == written.arrays.keys()
+    (group / "transfer" / "zarr.json").write_text("{")
+    assert_equal(whole(tmp_path, written), spectrum)
+    with pytest.raises(store.DamagedError, match="metadata"):
+        store.check(tmp_path, written.recorded())
+
+
+def test_the_same_result_again_changes_no_file(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+
+    def files():
+        return {path: path.stat().st_mtime_ns for path in (tmp_path / store.STORE).rglob("*")}
+
+    before = files()
+    assert write(tmp_path, spectrum) == written
+    assert files() == before
+
+
+def test_clean_removes_what_dead_writers_left(tmp_path, spectrum):
+    written = write(tmp_path, spectrum)
+    left = tmp_path / f"{store.STORE}.partial" / "x"
+    left.mkdir()
+    store.clean(tmp_path, older_than_s=60.0)
+    assert left.exists()
+    store.clean(tmp_path)
+    assert not left.exists()
+    assert_equal(read(tmp_path, written), spectrum)
+
+
+@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(1, 9), st.integers(1, 7), st.integers(16, 400))
+def test_chunks_are_whole_rows_and_written_at_once(tmp_path, rows, nodes, chunk_bytes):
+    """Whatever the sizes, all chunks of an array come from one write, and none is shared with another's."""
+    made = dataclasses.replace(
+        example(), frequency=np.arange(rows), transfer=np.ones((rows, nodes), complex), count=np.arange(rows)
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+        home = tmp_path / f"{rows}-{nodes}-{chunk_bytes}"
+        written = write(home, made)
+    array = zarr.open_group(home / store.STORE, mode="r")[f"{written.group}/transfer"]
+    assert array.shards is None
+    assert array.chunks[1] == nodes
+    files = list((home / store.STORE / written.group / "transfer").glob("c.*"))
+    assert len(files) == -(-rows // array.chunks[0])
+    np.testing.assert_array_equal(
+        store.read(home, written.group, Spectrum, written.arrays).transfer, made.transfer
+    )
+
+
+def test_nobody_writes_part_of_a_chunk(tmp_path, spectrum):
+    """Rows that another writer has, or adds, cannot reach a chunk that is there: they are another group."""
+    whole = write(tmp_path, spectrum)
+    folder = tmp_path / store.STORE / whole.group
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    part = dataclasses.replace(
+        spectrum, frequency=spectrum.frequency[1:], transfer=-spectrum.transfer[1:], count=spectrum.count[1:]
+    )
+    assert write(tmp_path, part).group != whole.group
+    array = store.open_array(tmp_path, whole.group, "transfer")
+    with pytest.raises(ValueError, match="read-only"):
+        array[1:, :] = 7.0
+    with pytest.raises(ValueError, match="read-only"):
+        array.resize((4, 5))
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def _write_many(home, sign, start):
+    start.wait()
+    for count in range(20):
+        write(home, dataclasses.replace(example(), transfer=sign * (count + 1.0) * np.ones((3, 5), complex)))
+
+
+def test_writers_of_one_unit_do_not_tear_each_others_chunks(tmp_path):
+    """Two processes store different results under one name, over and over: each group is one of them."""
+    context = multiprocessing.get_context("spawn")
+    start = context.Barrier(2)
+    processes = [context.Process(target=_write_many, args=(tmp_path, sign, start)) for sign in (1.0, -1.0)]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join()
+    assert [process.exitcode for process in processes] == [0, 0]
+    groups = [path for path in (tmp_path / store.STORE / "spectrum").iterdir() if path.is_dir()]
+    seen = set()
+    for group in groups:
+        arrays, _ = store.read_arrays(tmp_path, f"spectrum/{group.name}")
+        (value,) = set(arrays["transfer"].ravel())
+        seen.add(value)
+    assert seen == {sign * (count + 1.0) for sign in (1.0, -1.0) for count in range(20)}
