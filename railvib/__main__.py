@@ -1,0 +1,5 @@
+"""Runs the program: ``python -m railvib``."""
+
+from railvib.cli import main
+
+main(prog_name="railvib")
