@@ -20,7 +20,7 @@ from benchmarks.sizes import Size
 from railvib.numerics import threads
 from sweep.host import host_class
 from sweep.run import LIBRARIES
-from sweep.storage import location
+from sweep.storage.folder import Folder
 
 SCHEMA = 1
 _MEASURES: Mapping[str, Callable[[Size, Rates], Iterator[Figure]]] = {
@@ -64,7 +64,7 @@ def measure(
     directory.mkdir(parents=True, exist_ok=True)
     name = f"benchmark-{document['started'][:19].replace(':', '')}.json"
     content = json.dumps(document, indent=1, ensure_ascii=False).encode() + b"\n"
-    location.Folder(directory).replace(name, content)
+    Folder(directory).replace(name, content)
     return directory / name, document, figures
 
 

@@ -212,7 +212,7 @@ def _run(
     """Compute, publish, and leave with the exit status."""
     from sweep.run import FAILED, INTERRUPTED, execute, prepare
     from sweep.running import lock
-    from sweep.storage import records, space
+    from sweep.storage import location, records
 
     if request.plan.tasks or mend:
         launched.check(directory, request.store)
@@ -245,7 +245,7 @@ def _run(
         click.echo(f"interrupted; what is done is kept. Continue with: railvib resume {directory}", err=True)
         sys.exit(INTERRUPTED)
     except Exception as error:
-        if not space.exhausted(error):
+        if not location.is_full(error):
             raise
         click.echo(
             f"{directory}: {error}; what was stored before is whole. "

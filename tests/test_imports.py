@@ -1,6 +1,7 @@
 """The packages' imports follow the way of the data: railvib knows nothing of sweep, nor sweep of queries."""
 
 import ast
+import graphlib
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +45,24 @@ def test_queries_reads_the_engine_through_store_and_records_only():
         if name.partition(".")[0] == "sweep" and not name.startswith(OPEN_TO_QUERIES)
     }
     assert found == set()
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    """Neither at module level, nor inside functions, nor for types alone."""
+    modules = {}
+    for package in FORBIDDEN:
+        for path in (ROOT / package).rglob("*.py"):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            modules[".".join(parts).removesuffix(".__init__")] = path
+    graph = {module: {owner(name, modules) for name in imports(path)} for module, path in modules.items()}
+    graph = {module: needed - {None, module} for module, needed in graph.items()}
+    assert len(graph["sweep.cli"]) > 5
+    graphlib.TopologicalSorter(graph).prepare()  # raises CycleError with the modules of a circle
+
+
+def owner(name, modules):
+    """Return the module of the three packages in which an imported name lies, or None."""
+    return next((each for each in (name, name.rpartition(".")[0]) if each in modules), None)
 
 
 @pytest.mark.parametrize(

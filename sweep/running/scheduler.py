@@ -13,7 +13,7 @@ from typing import Protocol
 from sweep.plan import Plan, Task
 from sweep.running.task import Outcome, Place, execute, lost
 from sweep.storage import records
-from sweep.storage.space import NoSpaceError
+from sweep.storage.location import NoSpaceError
 
 WINDOW_PER_WORKER = 16
 """Tasks handed out ahead of those that run: enough to hide the way to the scheduler.

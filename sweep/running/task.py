@@ -23,7 +23,7 @@ from railvib import cost
 from railvib.errors import PlausibilityWarning
 from sweep.host import host_class
 from sweep.kinds import AccuracyWarning, Kind, Unit, registry
-from sweep.storage import fields, records, space, store
+from sweep.storage import fields, location, records, store
 from sweep.storage.cache import CACHE_BYTES, Cache, Latest
 
 NEGLIGIBLE_S = 2e-5
@@ -148,11 +148,11 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
         return outcome("damaged", str(error))
     except Exception as error:
         try:
-            if space.exhausted(error):
+            if location.is_full(error):
                 raise
             _record_failure(missing, place, started, traceback.format_exc())
         except Exception as fault:
-            if not space.exhausted(fault):
+            if not location.is_full(fault):
                 raise
             return outcome("no space", str(fault))
         return outcome("failed", f"{type(error).__name__}: {error}".partition("\n")[0])

@@ -1,7 +1,6 @@
 """A prefix of an S3 bucket as a location, through object_store's Python binding."""
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -13,7 +12,7 @@ from obstore.exceptions import AlreadyExistsError, BaseError
 from obstore.store import S3Store
 
 from railvib.errors import InputError
-from sweep.storage.location import NONE, S3, Content
+from sweep.storage.protocol import NONE, Content
 
 if TYPE_CHECKING:
     from obstore.store import RetryConfig
@@ -36,11 +35,10 @@ CREDENTIALS = (
 
 
 class Bucket:
-    """A prefix of an S3 bucket; who asks, and at which endpoint, says the environment alone."""
+    """A prefix of an S3 bucket; the environment alone holds the credentials and the endpoint."""
 
-    def __init__(self, address: str) -> None:
-        self.address = address
-        bucket, *prefix = parts(address)
+    def __init__(self, bucket: str, *prefix: str) -> None:
+        self.address = address = f"s3://{'/'.join((bucket, *prefix))}"
         if not any(all(os.environ.get(name) for name in names) for names in CREDENTIALS):
             raise InputError(
                 f"--store = {address!r}: no credentials in the environment; set AWS_ACCESS_KEY_ID and "
@@ -51,7 +49,7 @@ class Bucket:
             raise InputError(
                 f"--store = {address!r}: AWS_ENDPOINT_URL is not encrypted; AWS_ALLOW_HTTP=true allows that"
             )
-        self._bucket, self._prefix = bucket, prefix
+        self._bucket, self._prefix = bucket, list(prefix)
         self._store = self._open([])
         self._ensured: set[str] = set()
 
@@ -136,24 +134,6 @@ class Bucket:
             next(iter(obstore.list(self._open([], BRIEF), chunk_size=1)), None)
         except (BaseError, OSError) as error:
             raise InputError(f"--store = {self.address!r}: {_reason(str(error))}") from None
-
-
-def parts(address: str) -> list[str]:
-    """Return the bucket and the parts of the prefix.
-
-    Raises
-    ------
-    InputError
-        If there is no bucket, or something that may be a secret stands before it.
-    """
-    parts = [part for part in address.removeprefix(S3).split("/") if part]
-    if not parts or "@" in parts[0] or ":" in parts[0]:
-        raise InputError(f"--store: must be {S3}BUCKET/PREFIX; credentials belong in the environment alone")
-    if not re.fullmatch(r"[a-z0-9][a-z0-9.-]{1,61}[a-z0-9]", parts[0]) or re.search(r"[?#]", address):
-        raise InputError(
-            f"--store = {address!r}: must be {S3}BUCKET/PREFIX, of lower-case letters and digits"
-        )
-    return parts
 
 
 def _reason(message: str) -> str:

@@ -19,7 +19,7 @@ import google_crc32c
 import numpy as np
 from numpy.typing import NDArray
 
-from sweep.storage.location import Content
+from sweep.storage.protocol import Content
 
 _CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "crc32c"}]
 """Complex fields do not compress; the checksum shows a torn chunk to any reader."""

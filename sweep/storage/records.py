@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from sweep.storage import location
+from sweep.storage.folder import Folder
 
 SCHEMA = 2
 _WITHOUT_CHECKSUM = 1
@@ -41,7 +42,7 @@ class Run:
         FileNotFoundError
             If the directory holds no run.
         """
-        found = _decode(location.Folder(directory).read(MANIFEST)) or next(reversed(runs(directory)), None)
+        found = _decode(Folder(directory).read(MANIFEST)) or next(reversed(runs(directory)), None)
         if found is None:
             raise FileNotFoundError(Path(directory) / MANIFEST)
         return found
@@ -51,7 +52,7 @@ class Run:
         """Write a manifest under its run id and as the latest one, each replaced in one step."""
         content = _encode(manifest)
         for key in (f"{RECORDS}/{_RUNS}/{manifest['run_id']}.json", MANIFEST):
-            location.Folder(directory).replace(key, content)
+            Folder(directory).replace(key, content)
 
 
 def runs(directory: Path | str) -> list[dict[str, Any]]:
@@ -145,12 +146,12 @@ def withdraw(home: Home, kind: str, unit_id: str) -> None:
 
 def fail(directory: Path | str, record: Mapping[str, Any]) -> None:
     """Write the record of a failure; a later one of the same unit replaces it."""
-    location.Folder(directory).replace(_key(_FAILED, record["unit_id"]), _encode(record))
+    Folder(directory).replace(_key(_FAILED, record["unit_id"]), _encode(record))
 
 
 def forget_failure(directory: Path | str, unit_id: str) -> None:
     """Remove the record of a failure that a later attempt has made good."""
-    location.Folder(directory).remove(_key(_FAILED, unit_id))
+    Folder(directory).remove(_key(_FAILED, unit_id))
 
 
 def _needed(directory: Path | str) -> set[str]:
@@ -182,7 +183,7 @@ def _listed(home: Home, kind: str | None = None) -> list[tuple[str, str]]:
 
 def _folder(directory: Path | str, name: str) -> list[dict[str, Any]]:
     """Return the readable files of one folder of a run directory's records, in order of their names."""
-    place = location.Folder(directory)
+    place = Folder(directory)
     keys = [_key(name, each) for _, each in _listed(directory, name)]
     return [content for content in map(_decode, place.read_many(keys)) if content is not None]
 

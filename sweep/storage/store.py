@@ -23,7 +23,7 @@ from sweep.storage import codec, fields, location, records
 from sweep.storage.fields import Result
 from sweep.storage.group import MEMBERS, Group, Recorded, metadata_digest
 from sweep.storage.group import DamagedError as DamagedError
-from sweep.storage.location import Content
+from sweep.storage.protocol import Content
 
 if TYPE_CHECKING:
     import zarr

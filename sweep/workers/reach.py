@@ -87,7 +87,7 @@ def _unfit(client: Client, directory: Path, store: str | None) -> str | None:
     many = [worker for worker, count in threads.items() if count != 1]
     if many:
         return f"worker {many[0]} has {threads[many[0]]} threads; must be started with --nthreads 1"
-    folders = [directory.absolute(), *([Path(store)] if store and not store.startswith(location.S3) else [])]
+    folders = [directory.absolute(), *([Path(store)] if store and not location.is_bucket(store) else [])]
     existing = [next(each for each in (folder, *folder.parents) if each.is_dir()) for folder in folders]
     probes = [tempfile.NamedTemporaryFile(prefix=".railvib-", dir=folder) for folder in existing]
     try:

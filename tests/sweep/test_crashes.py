@@ -164,8 +164,8 @@ def test_a_killed_driver_leaves_no_process_and_what_is_missing(folder, undisturb
 
 IN_A_CHUNK = f"""
 import os, signal
-from sweep.storage import location
-write = location._write
+from sweep.storage import folder
+write = folder._write
 written = []
 def torn(path, content):
     if "transfer_functions.zarr" in path and "/c." in path:
@@ -174,7 +174,7 @@ def torn(path, content):
             write(path, bytes(content)[: len(content) // 2])
             {KILL}
     return write(path, content)
-location._write = torn
+folder._write = torn
 """
 
 

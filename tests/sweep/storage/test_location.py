@@ -9,7 +9,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 import pytest
 
 from railvib.errors import InputError
-from sweep.storage import bucket, location
+from sweep.storage import bucket, folder, location
 from tests.sweep.s3_server import SECRET, s3
 
 __all__ = ["s3"]
@@ -52,7 +52,7 @@ def test_of_many_the_first_ones_stay(place):
 
 
 def test_a_disk_that_is_full_among_many_leaves_nothing_aside(tmp_path, monkeypatch):
-    write, full = location._write, OSError(errno.ENOSPC, "No space left on device")
+    write, full = folder._write, OSError(errno.ENOSPC, "No space left on device")
     written = []
 
     def until_full(path, content):
@@ -61,7 +61,7 @@ def test_a_disk_that_is_full_among_many_leaves_nothing_aside(tmp_path, monkeypat
         if len(written) == 2:
             raise full
 
-    monkeypatch.setattr(location, "_write", until_full)
+    monkeypatch.setattr(folder, "_write", until_full)
     with pytest.raises(OSError, match="No space left"):
         location.at(tmp_path).create_many({f"records/{n}": b"content" for n in range(3)})
     assert len(written) == 2
