@@ -17,10 +17,10 @@ from benchmarks.study_text import PAPER_SOILS, study
 from benchmarks.transfer import FIT_TOLERANCE, SOILS, TRACK, wavenumbers
 from railvib import library
 from railvib.numerics.third_octaves import midbands
+from railvib.parameters.units import KMH
 from railvib.psd.spectra import line_step, lines
 from railvib.soil.rational_fit import fit_flexibility
 from railvib.soil.strip import strip_compliances
-from sweep.study import KMH
 
 SECTION = "growth"
 SLOPE = 1.05

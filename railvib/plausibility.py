@@ -8,6 +8,7 @@ import numpy as np
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
+from railvib.parameters.units import KMH
 from railvib.soil.surface_waves import surface_wave_speeds
 from railvib.transfer.critical_speed import critical_speed
 
@@ -66,8 +67,8 @@ def check_speed(ground: Ground, track: Track, speed: float) -> None:
     for name, limit in limits.items():
         if speed > limit:
             warnings.warn(
-                f"speed {speed:.1f} m/s ({3.6 * speed:.0f} km/h) exceeds {name}, {limit:.1f} m/s "
-                f"({3.6 * limit:.0f} km/h): expect large quasi-static response and a Mach-like wave field",
+                f"speed {speed:.1f} m/s ({KMH * speed:.0f} km/h) exceeds {name}, {limit:.1f} m/s "
+                f"({KMH * limit:.0f} km/h): expect large quasi-static response and a Mach-like wave field",
                 PlausibilityWarning,
                 stacklevel=3,
             )

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ from railvib.forces.receptance import (
 from railvib.forces.wheel_rail import axle_distances
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import third_octaves, threads
+from railvib.parameters.approach import APPROACHES, Approach, Averaging
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
@@ -27,7 +28,7 @@ from railvib.plausibility import check_damping, check_speed
 from railvib.psd.line_integrals import LineIntegrals, line_integrals
 from railvib.psd.moving_roughness import spans
 from railvib.psd.quasi_static import quasi_static_spectra
-from railvib.psd.spectra import APPROACHES, Approach, Spectra, highest_excitation, line_step, lines, spectra
+from railvib.psd.spectra import Spectra, highest_excitation, line_step, lines, spectra
 from railvib.psd.train_average import TrainIntegrals, train_integrals
 from railvib.transfer.table import Receiver, TransferBlock, TransferFunction
 from railvib.transfer.tabulate import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
@@ -114,7 +115,7 @@ def predict(
     *,
     rail: bool = True,
     approaches: Sequence[Approach] = _DEFAULT_APPROACHES,
-    averaging: Literal["line", "train"] = "line",
+    averaging: Averaging = "line",
     minimum_frequency: float = 1.0,
     maximum_frequency: float = 100.0,
     tolerance: float = 1e-4,
@@ -134,7 +135,7 @@ def predict(
     rail
         Whether the rail is a receiver too.
     approaches
-        Which approaches; see `railvib.psd.spectra.APPROACHES`.
+        Which approaches; see `railvib.parameters.approach.APPROACHES`.
     averaging
         Moving roughness averaged over the whole line, as a full pass-by sees it, or over the length of the
         train (Eq. 26).

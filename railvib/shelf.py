@@ -11,24 +11,8 @@ from rich.table import Table
 
 from railvib import library as shelves
 from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.units import unit_of
 from railvib.parameters.vehicle import Train, Vehicle
-
-UNITS = {
-    "bending_stiffness_n_m2": "N·m²",
-    "inertia_kg_m2": "kg·m²",
-    "_m_s": "m/s",
-    "_kg_m3": "kg/m³",
-    "_kg_m": "kg/m",
-    "_kg": "kg",
-    "_n_s_m": "N·s/m",
-    "_n_m2": "N/m²",
-    "_n_m": "N/m",
-    "_n": "N",
-    "_m3": "m³",
-    "_db": "dB",
-    "_m": "m",
-}
-"""Units by the endings of keys in study files, a longer ending before the shorter one that it contains."""
 
 
 @click.command()
@@ -108,15 +92,6 @@ def _leaves(key: str, value: Any, place: str = "") -> Iterator[tuple[str, str, A
             yield from _leaves(key, below, f"{place}[{index}]")
     else:
         yield place, key, value
-
-
-def unit_of(key: str) -> str:
-    """Return the unit that a key of a study file names by its ending, nothing for pure numbers and names.
-
-    >>> unit_of("pad_stiffness_n_m2"), unit_of("rail_bending_stiffness_n_m2"), unit_of("loss_factor")
-    ('N/m²', 'N·m²', '')
-    """
-    return next((unit for ending, unit in UNITS.items() if key.endswith(ending)), "")
 
 
 def _printed(value: Any) -> str:

@@ -20,21 +20,15 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, Vali
 from railvib import library
 from railvib.errors import InputError
 from railvib.numerics.third_octaves import midbands
+from railvib.parameters.approach import Approach, Averaging
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.units import KMH, unit_of
 from railvib.parameters.vehicle import Vehicle
 from sweep import identity
 from sweep.identity import Canonical
-
-Approach = Literal[
-    "moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated", "full", "fe-be"
-]
-Averaging = Literal["line", "train"]
-
-KMH = 3.6
-"""km/h per m/s."""
 
 LOWEST_HZ, HIGHEST_HZ = 0.1, 500.0
 """Midbands for which the physics has been verified."""
@@ -46,7 +40,6 @@ MESSAGES = {
     "string_pattern_mismatch": "may consist of letters, digits and _ . + - only",
 }
 """Of those faults whose general wording speaks of Python."""
-UNITS = {"hz": "Hz", "m": "m", "kmh": "km/h", "minutes": "min", "gb": "GB"}
 AXES: tuple[library.Kind, ...] = ("soil", "track", "train", "unevenness")
 MODELS: dict[str, type[BaseModel]] = {
     "soil": Ground,
@@ -408,9 +401,7 @@ def _describe(error: ValidationError) -> str:
     value = fault["input"]
     if isinstance(value, Mapping) and key != "sweep.speed_kmh":
         return f"{key}: {message}"
-    unit = UNITS.get(
-        str(next((part for part in reversed(parts) if isinstance(part, str)), "")).rsplit("_")[-1], ""
-    )
+    unit = unit_of(str(next((part for part in reversed(parts) if isinstance(part, str)), "")))
     shown = f"{value!r} {unit}".rstrip() if isinstance(value, int | float) else repr(value)
     return f"{key} = {shown}: {message}"
 

@@ -28,6 +28,7 @@ from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.units import KMH
 from railvib.parameters.vehicle import Train
 from railvib.plausibility import check_damping, check_speed
 from railvib.psd.full_model import RECEIVERS_AT_ONCE
@@ -48,7 +49,7 @@ from railvib.transfer.tabulate import (
 from sweep import identity
 from sweep.identity import Canonical
 from sweep.kinds import AccuracyWarning, Inputs, Kind, Load, Unit
-from sweep.study import KMH, Case, Resolved
+from sweep.study import Case, Resolved
 from sweep.workers import compiling
 
 RAIL = "rail"

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from railvib import cost
 from railvib.forces.receptance import Receptances
 from railvib.forces.wheel_rail import AxleEquations, arrivals, axle_forces, axle_numbers
 from railvib.numerics import third_octaves, threads
+from railvib.parameters.approach import Approach
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
 from railvib.psd.excitation import excitation
@@ -18,11 +19,6 @@ from railvib.psd.line_integrals import LineIntegrals
 from railvib.psd.moving_roughness import axle_pairs, force_products, line_means, products
 from railvib.psd.train_average import TrainIntegrals
 from railvib.transfer.table import Receiver, TransferFunction
-
-Approach = Literal[
-    "moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated", "full", "fe-be"
-]
-APPROACHES: tuple[Approach, ...] = get_args(Approach)
 
 _STEPS_PER_RIPPLE = 8
 _COARSEST_STEP = 0.125

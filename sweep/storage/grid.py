@@ -13,8 +13,8 @@ from dask.delayed import delayed
 from numpy.typing import NDArray
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.parameters.units import KMH
 from sweep.storage import records, store
-from sweep.study import KMH
 
 Key = tuple[str, str, Any]
 """Soil, track, and a receiver or a speed in km/h."""

@@ -7,6 +7,7 @@ import cmath
 import pytest
 
 from railvib import library
+from railvib.parameters.units import KMH
 from railvib.prediction import rail_receptance
 from railvib.soil.compliance import line_compliance
 from railvib.soil.quadrature import strip_compliance_by_quadrature
@@ -76,7 +77,7 @@ def test_strip_by_two_methods(row):
 def test_rail_receptance(row, track):
     expected = cmath.rect(float(row["fe_magnitude"]), float(row["fe_phase_rad"]))
     sigma = rail_receptance(
-        track, soil(row["soil"]), float(row["frequency_hz"]), 0.0, float(row["speed_kmh"]) / 3.6
+        track, soil(row["soil"]), float(row["frequency_hz"]), 0.0, float(row["speed_kmh"]) / KMH
     )
     assert abs(sigma / expected - 1.0) < float(row["fe_relative_uncertainty"]) + 2e-4
 

@@ -6,6 +6,7 @@ import pytest
 import railvib
 from railvib import library
 from railvib.numerics import third_octaves
+from railvib.parameters.units import KMH
 from sweep import units
 from sweep.kinds import Unit
 from sweep.storage import records, store
@@ -21,7 +22,7 @@ def predicted():
         track=library.load("track", "ballasted-paper"),
         train=library.load("train", "grona-taget"),
         unevenness=library.load("unevenness", "fra-hamid-yang-3"),
-        speed=150 / 3.6,
+        speed=150 / KMH,
         offsets=[OFFSET],
     )
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from railvib.numerics.third_octaves import midbands
+from railvib.parameters.units import KMH
 
 TOLERANCE = 1.0
 BAND = midbands(1.0, 100.0)
@@ -104,7 +105,7 @@ def test_full_model_has_a_comb_at_multiples_of_speed_over_vehicle_length(results
         "AND receiver = 'rail' AND contribution = 'dynamic' AND averaging = 'line' "
         "AND frequency_hz BETWEEN 5 AND 35 AND approach IN ('full', 'moving-roughness') ORDER BY frequency_hz"
     )
-    spacing = 150.0 / 3.6 / 26.6
+    spacing = 150.0 / KMH / 26.6
     swing = {}
     for approach, rows in psd.groupby("approach"):
         level = 10.0 * np.log10(rows.value.to_numpy())

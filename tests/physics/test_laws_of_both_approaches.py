@@ -10,6 +10,7 @@ from railvib.forces.wheel_rail import arrivals, axle_distances, force_matrices
 from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.units import KMH
 from railvib.parameters.vehicle import Train
 from railvib.psd.excitation import excitation, resolved
 from railvib.psd.full_model import passage_spectra
@@ -18,7 +19,7 @@ from railvib.psd.moving_roughness import axle_pairs, products, spans
 from railvib.psd.quasi_static import quasi_static_spectra
 from railvib.psd.spectra import line_step, lines, spectra
 
-SPEED = 150.0 / 3.6
+SPEED = 150.0 / KMH
 ROUGH = Unevenness(form="fra-hamid-yang", line_class=3)
 RECEIVERS = ("rail", 0.0, 8.0, 32.0)
 BLOCKS = range(-3, 4)

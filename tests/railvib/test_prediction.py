@@ -12,6 +12,7 @@ from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.track import TrackLayer
 from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.units import KMH
 from railvib.parameters.vehicle import Train
 from railvib.plausibility import check_speed
 from railvib.prediction import predict, rail_receptance
@@ -258,7 +259,7 @@ class TestWarnings:
     def test_usual_cases_warn_of_nothing(self, track, horstwalde):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            check_speed(horstwalde, track, 150.0 / 3.6)
+            check_speed(horstwalde, track, 150.0 / KMH)
             check_speed(SOFT, track, SPEED)
 
     def test_faster_than_the_surface_wave(self, track, single):

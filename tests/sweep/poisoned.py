@@ -6,8 +6,8 @@ import signal
 from dataclasses import replace
 from typing import Any
 
+from railvib.parameters.units import KMH
 from sweep import units as sound
-from sweep.study import KMH
 
 POISON = "RAILVIB_TEST_POISON"
 """JSON: what to do at which speed in km/h."""

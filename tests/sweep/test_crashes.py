@@ -13,6 +13,7 @@ import psutil
 import pytest
 
 from queries.database.ingest import ingest
+from railvib.parameters.units import KMH
 from sweep import plan
 from sweep.running import scheduler
 from sweep.running.task import Place
@@ -227,7 +228,7 @@ def test_poisoned_cases_fail_alone_and_are_retried(folder, computed, monkeypatch
     monkeypatch.setenv(poisoned.POISON, '{"31": "raise", "32": "kill"}')
     result = invoke("run", folder / "small.toml", "--out", directory, "--workers", 2)
     assert result.exit_code == 1, result.output
-    failures = {record["inputs"]["speed"] * 3.6: record["traceback"] for record in records.failed(directory)}
+    failures = {record["inputs"]["speed"] * KMH: record["traceback"] for record in records.failed(directory)}
     assert {round(speed, 6) for speed in failures} == {31.0, 32.0}
     told = "".join(failures.values())
     assert "Traceback" in told

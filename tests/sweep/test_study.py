@@ -206,11 +206,3 @@ def test_one_more_speed_leaves_the_other_cases(values):
 
 def test_a_value_twice_is_one_case():
     assert len(list(study.resolve(changed("sweep.speed_kmh", [150, 150.0])).cases())) == 2
-
-
-def test_the_approaches_are_those_of_the_physics():
-    from typing import get_args
-
-    from railvib.psd.spectra import APPROACHES
-
-    assert get_args(study.Approach) == APPROACHES

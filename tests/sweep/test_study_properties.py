@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from railvib import library
 from railvib.numerics.third_octaves import midbands
-from railvib.psd.spectra import APPROACHES
+from railvib.parameters.approach import APPROACHES
 from sweep import study, units
 from sweep.run import prepare
 

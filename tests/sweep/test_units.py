@@ -5,6 +5,7 @@ import numpy as np
 
 import railvib
 from railvib.numerics import third_octaves
+from railvib.parameters.units import KMH
 from railvib.psd.spectra import Spectra
 from sweep import study, units
 from sweep.kinds import Unit
@@ -36,7 +37,7 @@ def test_stored_spectra_are_those_of_predict(computed):
     resolved = study.load(computed / "small.toml")
     predicted = railvib.predict(
         *(resolved.objects[kind][getattr(case, kind)] for kind in ("soil", "track", "train", "unevenness")),
-        case.speed_kmh / 3.6,
+        case.speed_kmh / KMH,
         offsets=[8.0],
         approaches=("moving-roughness", "full"),
         minimum_frequency=4.0,

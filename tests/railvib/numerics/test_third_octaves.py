@@ -5,8 +5,9 @@ import pytest
 
 from railvib.errors import InputError
 from railvib.numerics import third_octaves
+from railvib.parameters.units import KMH
 
-TRAIN_LENGTH, SPEED = 106.4, 150 / 3.6
+TRAIN_LENGTH, SPEED = 106.4, 150 / KMH
 AXLES = np.add.outer(13.3 + 26.6 * np.arange(4), np.add.outer([-9.5, 9.5], [-1.35, 1.35])).ravel()
 
 

@@ -11,12 +11,13 @@ from railvib.numerics import third_octaves
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.units import KMH
 from railvib.psd.excitation import excitation, resolved
 from railvib.psd.full_model import passage_spectra
 from railvib.psd.spectra import line_step, lines
 
 ALPHA = np.array([-9.0, 0.0, 14.0])
-SPEED = 150.0 / 3.6
+SPEED = 150.0 / KMH
 ROUGH = Unevenness(form="fra-hamid-yang", line_class=3)
 
 
@@ -98,7 +99,7 @@ def test_tolerance_is_kept_in_lines_and_bands(kmh, track, tables, train):
     """Against an excitation a hundred times as exact: three tolerances of what is around a line, one of a
     band.
     """
-    speed = kmh / 3.6
+    speed = kmh / KMH
     soft = Ground(
         layers=[Layer(shear_speed=120.0, dilatational_speed=300.0, density=1800.0, loss_factor=0.1)]
     )
