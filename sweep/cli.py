@@ -217,9 +217,9 @@ def _run(
     if request.plan.tasks or mend:
         launched.check(directory, request.store)
     try:
-        with lock.held(directory) as dead, _stoppable():
+        with lock.hold(directory) as dead, _stoppable():
             if dead:
-                click.echo(f"{dead} has ended without a word; what it has done is kept", err=True)
+                click.echo(f"{dead} exited unexpectedly; its results are kept", err=True)
             if mend:
                 _mend(request, directory)
                 request = prepare(request.resolved, directory, request.store, complete=True)

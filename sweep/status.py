@@ -39,17 +39,16 @@ def describe(directory: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
 def alive(directory: Path) -> bool:
     """Return whether a process runs in a directory, as far as can be told from here."""
     holder = lock.holder(directory)
-    return holder is not None and not holder.gone
+    return holder is not None and holder.alive is not False
 
 
 def _state(directory: Path, manifest: Mapping[str, Any]) -> str:
     holder = lock.holder(directory)
-    if holder is not None and not holder.gone:
-        return f"running: {holder}, since {holder.since}" + (
-            "" if holder.here else "; whether it lives cannot be seen from here"
-        )
+    if holder is not None and holder.alive is not False:
+        doubt = "" if holder.alive else "; whether it is alive cannot be seen from here"
+        return f"running: {holder}, since {holder.since}{doubt}"
     if manifest["finished"] is None:
-        return f"dead: {holder or 'its process'} has ended without a word"
+        return f"dead: {holder or 'its process'} exited unexpectedly"
     status = manifest["exit_status"]
     return f"{_ENDED.get(status, 'ended')}, exit status {status}"
 

@@ -52,7 +52,7 @@ def test_a_running_one(copy):
     lines = [json.loads(line) for line in (copy / "log.jsonl").read_text().splitlines()]
     kept = [line for line in lines if line.get("settled", 0) <= 5 and line["event"] != "finished"]
     (copy / "log.jsonl").write_text("".join(json.dumps(line) + "\n" for line in kept) + '{"torn')
-    with lock.held(copy):
+    with lock.hold(copy):
         output = invoke("status", copy).output
     assert "state     running: process" in output
     assert f"tasks     5 of {kept[0]['tasks']} settled" in output
