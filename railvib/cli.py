@@ -1,8 +1,8 @@
-"""The program `railvib`: a group whose sub-commands come from entry points, and the sub-command `library`.
+"""The program `railvib`: a group whose sub-commands come from entry points.
 
-Each package of the distribution brings its own sub-commands, so that none imports another for its sake. They
-are loaded when they are asked for: `railvib library` does not import the engine, nor `run` the library before
-the workers are on their way.
+Every package of the distribution brings its own sub-commands, so that none imports another for their sake. A
+command is loaded when it is asked for: `railvib library` does not import the engine, nor `run` the library
+before the workers are on their way.
 """
 
 from importlib import metadata
@@ -13,7 +13,6 @@ import click
 from railvib.errors import InputError
 
 ENTRY_POINTS = "railvib.commands"
-LIBRARY = "library"
 
 
 class RefusedRequest(click.ClickException):
@@ -26,15 +25,11 @@ class Commands(click.Group):
     """A group that finds its sub-commands among the entry points and turns refusals into exit code 2."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the names of all sub-commands, of which none is imported."""
-        return sorted({LIBRARY, *metadata.entry_points(group=ENTRY_POINTS).names})
+        """Return the names of all sub-commands without importing any."""
+        return sorted(metadata.entry_points(group=ENTRY_POINTS).names)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import and return a sub-command."""
-        if cmd_name == LIBRARY:
-            from railvib.shelf import library
-
-            return library
         for point in metadata.entry_points(group=ENTRY_POINTS, name=cmd_name):
             command: click.Command = point.load()
             return command

@@ -1,12 +1,10 @@
-"""The library: every entry loads and names its sources; definitions of studies; the command."""
+"""The library: every entry loads and names its sources; definitions of studies."""
 
 import tomllib
 
 import pytest
-from click.testing import CliRunner
 
 from railvib import library
-from railvib.cli import main
 from railvib.errors import InputError
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
@@ -187,33 +185,3 @@ def test_messages_begin_with_the_name_in_the_study():
         library.resolve("soil", "mine", {"soil": {"mine": {"layers": [layer]}}})
     with pytest.raises(InputError, match=r"^soil\.mine = 3: must be a table"):
         library.resolve("soil", "mine", {"soil": {"mine": 3}})
-
-
-@pytest.mark.parametrize(("kind", "name"), EVERYTHING)
-def test_command_prints_every_entry(kind, name):
-    result = CliRunner().invoke(main, ["library", kind, name])
-    assert result.exit_code == 0, result.output
-    entry = library.entry(kind, name)
-    assert entry.source.split(",")[0] in " ".join(result.output.split())
-    assert all(key in result.output for key in entry.parameters)
-
-
-def test_command_lists():
-    everything = CliRunner().invoke(main, ["library"]).output
-    assert all(name in everything for _, name in EVERYTHING)
-    soils = CliRunner().invoke(main, ["library", "soil"]).output
-    assert "greby" in soils
-    assert "regina" not in soils
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["library", "soil", "grebi"], "Error: soil = 'grebi': is unknown; the nearest known is 'greby'"),
-        (["library", "rock"], "'rock' is not one of"),
-    ],
-)
-def test_command_refuses_with_exit_code_2(arguments, message):
-    result = CliRunner().invoke(main, arguments)
-    assert result.exit_code == 2
-    assert message in result.stderr
