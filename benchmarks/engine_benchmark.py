@@ -29,11 +29,13 @@ import psutil
 from dask.utils import key_split
 from distributed import Client
 
-from sweep import plan, study, units
+from sweep import plan, study
 from sweep.running import scheduler
 from sweep.running.task import Place
 from sweep.storage import location, records, store
+from sweep.wanted import spectra_unit
 from sweep.workers import dask_cluster
+from sweep.workers.launch import STAGES
 from tests.sweep import toy
 
 ROOT = Path(__file__).parents[1]
@@ -117,21 +119,21 @@ def cases(folder: Path, speeds: int) -> None:
     began = time.perf_counter()
     resolved = study.resolve(benchmark_study(speeds))
     wanted = [
-        units.spectra_unit(resolved, case, approach)
+        spectra_unit(resolved, case, approach)
         for case in resolved.cases()
         for approach in resolved.study.approaches.compare
     ]
-    made = plan.make(wanted, units.KINDS, set())
+    made = plan.make(wanted, set())
     print(f"{len(wanted) // 2} cases, {len(made.tasks)} tasks, {len(made.units)} results")
     print(f"planned in {time.perf_counter() - began:.1f} s")
     walls = {}
     for workers in (1, 2):
         directory = folder / f"{workers}-workers"
         directory.mkdir()
-        with dask_cluster.local(workers, units.__name__) as crew:
+        with dask_cluster.local(workers, STAGES) as crew:
             before = sum(crew.processor_seconds())
             began = time.perf_counter()
-            tally = run(directory, made, units.__name__, crew)
+            tally = run(directory, made, STAGES, crew)
             walls[workers] = time.perf_counter() - began
             spent = sum(crew.processor_seconds()) - before
         physics = engines = 0.0
@@ -193,7 +195,7 @@ def tasks(folder: Path, number: int) -> None:
     """Run many tasks of next to no work, and watch the memory of who hands them out."""
     wanted = [toy.square(2 * index) for index in range(number)]
     began = time.perf_counter()
-    made = plan.make(wanted, toy.KINDS, set())
+    made = plan.make(wanted, set())
     print(f"{number} tasks planned in {time.perf_counter() - began:.1f} s")
     directory = folder / "run"
     directory.mkdir()

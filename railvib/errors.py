@@ -7,3 +7,7 @@ class InputError(ValueError):
 
 class PlausibilityWarning(UserWarning):
     """Input that is legal but unusual; the message gives the numbers and what follows from them."""
+
+
+class AccuracyWarning(PlausibilityWarning):
+    """A result that misses the accuracy asked for; the message gives both."""

@@ -11,6 +11,7 @@ from railvib.parameters.track import Track
 from railvib.parameters.units import KMH
 from railvib.soil.surface_waves import surface_wave_speeds
 from railvib.transfer.critical_speed import critical_speed
+from railvib.transfer.tabulate import LOOSEST, TIGHTEST
 
 HIGHEST = 100.0
 """Frequency up to which waves are looked at, Hz, whatever a study asks for: a fast train excites them all."""
@@ -26,6 +27,18 @@ def slowest_surface_wave(ground: Ground) -> float:
     """Return the lowest speed of a Rayleigh mode from 1 to 100 Hz, m/s; infinite without one."""
     speeds = [surface_wave_speeds(ground, float(f)) for f in np.geomspace(1.0, HIGHEST, 8)]
     return min((float(each[0]) for each in speeds if each.size), default=np.inf)
+
+
+def check_tolerance(tolerance: float) -> None:
+    """Refuse a tolerance that cannot be met.
+
+    Raises
+    ------
+    InputError
+        Naming the range.
+    """
+    if not TIGHTEST <= tolerance <= LOOSEST:
+        raise InputError(f"tolerance = {tolerance}: must be from {TIGHTEST:g} to {LOOSEST:g}")
 
 
 def check_damping(ground: Ground) -> None:

@@ -1,47 +1,40 @@
-"""One case from Python: no cluster, no files."""
+"""One case, or the rail's receptance, from Python: no cluster, no files."""
 
-import warnings
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from railvib.errors import InputError, PlausibilityWarning
-from railvib.forces.receptance import (
-    Receptances,
-    highest_tabulated_frequency,
-    receptances,
-    tabulated_receptances,
-)
-from railvib.forces.wheel_rail import axle_distances
+from railvib.errors import InputError
+from railvib.forces.receptance import highest_tabulated_frequency, receptances
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import third_octaves, threads
 from railvib.parameters.approach import APPROACHES, Approach, Averaging
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
+from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
-from railvib.plausibility import check_damping, check_speed
-from railvib.psd.line_integrals import LineIntegrals, line_integrals
-from railvib.psd.moving_roughness import spans
-from railvib.psd.quasi_static import quasi_static_spectra
-from railvib.psd.spectra import Spectra, highest_excitation, line_step, lines, spectra
-from railvib.psd.train_average import TrainIntegrals, train_integrals
-from railvib.transfer.table import Receiver, TransferBlock, TransferFunction
-from railvib.transfer.tabulate import LOOSEST, TIGHTEST, largest_wavenumber, transfer_blocks
+from railvib.plausibility import check_damping, check_speed, check_tolerance
+from railvib.psd.spectra import Spectra
+from railvib.stages.graph import case_spectra, evaluate
+from railvib.stages.transfer_table import TransferTable
+from railvib.transfer.table import TransferBlock, TransferFunction
 
 if TYPE_CHECKING:
     import xarray
 
 _DEFAULT_APPROACHES: tuple[Approach, ...] = ("moving-roughness", "moving-roughness-uncorrelated", "full")
+_CONTRIBUTIONS = ("dynamic", "quasi-static", "total")
 
 
 @lru_cache(maxsize=64)
-def _rail_block(ground: Ground, track: Track, block: int, tolerance: float) -> TransferBlock:
-    return transfer_blocks(ground, track, block, ["rail"], tolerance)["rail"]
+def _table(stage: TransferTable) -> TransferBlock:
+    table: TransferBlock = evaluate([stage])[stage]
+    return table
 
 
 @threads.limited
@@ -90,18 +83,22 @@ def rail_receptance(
         raise InputError(f"speed = {speed} m/s: must be finite and not negative")
     if not np.all(np.isfinite(d)):
         raise InputError(f"distance = {distance!r} m: must be finite")
-    _check_tolerance(tolerance)
+    check_tolerance(tolerance)
     check_damping(ground)
     if speed == 0.0:
-        needed = sorted({int(each) for each in blocks.assigned(f.ravel(), range(blocks.LOWEST, 20))})
+        block_indices = sorted({int(block) for block in blocks.assigned(f.ravel(), range(blocks.LOWEST, 20))})
     else:
-        needed = list(blocks.up_to(highest_tabulated_frequency(track, float(f.max()), speed)))
-    rail = TransferFunction((_rail_block(ground, track, block, tolerance) for block in needed), track)
-    out = np.empty(f.shape, complex)
-    for each in np.unique(f):
-        here = f == each
-        out[here] = receptances(rail, track, speed, d[here], [each], tolerance)[0]
-    return out[()]
+        block_indices = list(blocks.up_to(highest_tabulated_frequency(track, float(f.max()), speed)))
+    stages = [
+        TransferTable(ground=ground, track=track, tolerance=tolerance, receiver=RAIL, block=block)
+        for block in block_indices
+    ]
+    rail = TransferFunction([_table(stage) for stage in stages], track)
+    receptance = np.empty(f.shape, complex)
+    for value in np.unique(f):
+        rows = f == value
+        receptance[rows] = receptances(rail, track, speed, d[rows], [value], tolerance)[0]
+    return receptance[()]
 
 
 @threads.limited
@@ -160,121 +157,41 @@ def predict(
     InputError
         If a value is out of range.
     """
-    asked = tuple(sorted({float(each) for each in offsets}))
-    _check(speed, asked, approaches, rail, refinement)
-    _check_tolerance(tolerance)
+    receivers = _receivers(offsets, rail)
+    _check(speed, receivers, approaches, refinement)
+    check_tolerance(tolerance)
     check_damping(ground)
     check_speed(ground, track, speed)
-    midband = third_octaves.midbands(minimum_frequency, maximum_frequency)
-    receivers: list[Receiver] = ["rail", *asked] if rail else [*asked]
-    highest = highest_excitation(midband, largest_wavenumber(track, refinement), speed, refinement)
-    lower, upper = third_octaves.edges(midband)
-    covering = blocks.covering(float(lower[0]), float(upper[-1]))
-    moving = "full" in approaches
-    tables: dict[Receiver, list[TransferBlock]] = {"rail": [], **{each: [] for each in asked}}
-    top = (
-        highest_tabulated_frequency(track, blocks.reach(blocks.up_to(highest)[-1]), speed, refinement)
-        if moving
-        else blocks.edges(covering[-1])[1]
-    )
-    for block in blocks.up_to(top):
-        wanted: list[Receiver] = ["rail", *asked] if block in covering else ["rail"]
-        for receiver, table in transfer_blocks(ground, track, block, wanted, tolerance, refinement).items():
-            tables[receiver].append(table)
-    _report(tables, tolerance)
-    by_model = {False: {receiver: TransferFunction(table, track) for receiver, table in tables.items()}}
-    if "fe-be" in approaches:
-        section = cross_section or CrossSection()
-        by_model[True] = _fe_be_functions(ground, track, section, covering, receivers, tolerance, refinement)
-    distances = axle_distances(train)
-    frequency = lines(midband, line_step(train.length, speed, refinement))
-    made: list[Spectra] = []
-    rails: dict[tuple[bool, float], Receptances] = {}
-    integrals: dict[bool, dict[Receiver, LineIntegrals]] = {}
-    over_train: dict[bool, dict[Receiver, TrainIntegrals]] = {}
-    still: dict[bool, dict[Receiver, np.ndarray]] = {}
-    for approach in approaches:
-        v = speed if approach == "full" else 0.0
-        model = approach == "fe-be"
-        functions = by_model[model]
-        if (model, v) not in rails:
-            wanted_blocks = blocks.up_to(highest) if v else covering
-            rails[model, v] = tabulated_receptances(
-                functions["rail"], track, v, distances, wanted_blocks, tolerance, refinement
-            )
-        if model not in still:
-            still[model] = quasi_static_spectra(
-                {each: functions[each] for each in receivers},
-                train.axle_positions,
-                train.axle_loads,
-                train.length,
-                speed,
-                frequency,
-            )
-        if approach != "full" and model not in integrals:
-            integrals[model] = line_integrals(
-                {each: functions[each] for each in receivers},
-                spans(train.axle_positions),
-                covering,
-                tolerance,
-                refinement,
-            )
-            if averaging == "train":
-                over_train[model] = {
-                    each: train_integrals(functions[each], train.axle_positions, frequency)
-                    for each in receivers
-                }
-        made.append(
-            spectra(
-                approach,
-                train,
-                unevenness,
-                speed,
-                midband,
-                rails[model, v],
-                still[model],
-                {each: functions[each] for each in receivers},
-                integrals.get(model),
-                highest,
-                over_train.get(model),
-                tolerance,
-                refinement,
-            )
-        )
-    return _dataset(made, averaging)
+    case: dict[str, Any] = {
+        "ground": ground,
+        "track": track,
+        "train": train,
+        "unevenness": unevenness,
+        "speed": float(speed),
+        "band": tuple(third_octaves.midbands(minimum_frequency, maximum_frequency).tolist()),
+        "receivers": receivers,
+        "averaging": (averaging,),
+        "tolerance": tolerance,
+        "cross_section": cross_section or CrossSection(),
+        "refinement": refinement,
+    }
+    stages = [case_spectra(approach, **case) for approach in approaches]
+    results = evaluate(stages)
+    return _dataset([results[stage] for stage in stages], receivers, averaging)
 
 
-def _fe_be_functions(
-    ground: Ground,
-    track: Track,
-    section: CrossSection,
-    covering: range,
-    receivers: Sequence[Receiver],
-    tolerance: float,
-    refinement: int,
-) -> dict[Receiver, TransferFunction]:
-    """Return the transfer functions by finite and boundary elements."""
-    from railvib.fe_be.model import fe_be_blocks  # brings a finite-element library
-
-    made = [
-        fe_be_blocks(ground, track, section, block, receivers, tolerance, refinement) for block in covering
-    ]
-    return {receiver: TransferFunction((each[receiver] for each in made), track) for receiver in receivers}
+def _receivers(offsets: Iterable[float], rail: bool) -> tuple[Receiver, ...]:
+    """Return the receivers, the rail first, then by offset."""
+    ground = sorted({float(offset) for offset in offsets})
+    return (*([RAIL] if rail else []), *(Receiver(offset) for offset in ground))
 
 
-def _check_tolerance(tolerance: float) -> None:
-    if not TIGHTEST <= tolerance <= LOOSEST:
-        raise InputError(f"tolerance = {tolerance}: must be from {TIGHTEST:g} to {LOOSEST:g}")
-
-
-def _check(
-    speed: float, offsets: tuple[float, ...], approaches: Sequence[str], rail: bool, refinement: int
-) -> None:
+def _check(speed: float, receivers: Sequence[Receiver], approaches: Sequence[str], refinement: int) -> None:
     if not (np.isfinite(speed) and speed > 0.0):
         raise InputError(f"speed = {speed} m/s: must be positive and finite")
-    for offset in offsets:
-        if not (np.isfinite(offset) and offset >= 0.0):
-            raise InputError(f"offset = {offset} m: must be finite and not negative")
+    for receiver in receivers:
+        if receiver.offset is not None and not (np.isfinite(receiver.offset) and receiver.offset >= 0.0):
+            raise InputError(f"offset = {receiver.offset} m: must be finite and not negative")
     for approach in approaches:
         if approach not in APPROACHES:
             raise InputError(f"approach = {approach!r}: must be one of {', '.join(APPROACHES)}")
@@ -282,69 +199,54 @@ def _check(
         raise InputError(f"approaches is empty: must name at least one of {', '.join(APPROACHES)}")
     if refinement < 1 or refinement & (refinement - 1):
         raise InputError(f"refinement = {refinement}: must be 1, 2, 4 or another power of two")
-    if not offsets and not rail:
+    if not receivers:
         raise InputError("offsets is empty and rail is False: there is no receiver")
 
 
-def _report(tables: dict[Receiver, list[TransferBlock]], tolerance: float) -> None:
-    for table in tables.values():
-        worst = max(table, key=lambda each: each.interpolation_error)
-        shortfall = worst.shortfall(tolerance)
-        if shortfall:
-            warnings.warn(shortfall, PlausibilityWarning, stacklevel=3)
-
-
-def _dataset(made: Sequence[Spectra], averaging: str) -> "xarray.Dataset":
+def _dataset(spectra: Sequence[Spectra], receivers: Sequence[Receiver], averaging: str) -> "xarray.Dataset":
+    """Return the spectra by several approaches as one dataset."""
     import xarray
 
-    first = made[0]
+    first = spectra[0]
     force = first.quantity == "wheel_rail_force"
-    contributions = ["dynamic", "quasi-static", "total"]
-    at = first.contribution == "quasi-static"
-    names = [
-        "rail" if name == "rail" else f"ground {y:g} m"
-        for name, y in zip(first.receiver[at], first.offset_m[at], strict=True)
-    ]
 
-    def rows(each: Spectra, contribution: str) -> np.ndarray:
-        # The full model and the quasi-static response are those of a whole pass-by, however the moving
-        # roughness is averaged.
-        there = (each.contribution == contribution) & (each.quantity == "velocity")
-        averaged = there & (each.averaging == averaging)
-        return np.asarray(averaged if averaged.any() else there)
+    def velocities(values: str) -> list[list[np.ndarray]]:
+        return [
+            [getattr(each, values)[_rows(each, name, averaging)] for name in _CONTRIBUTIONS]
+            for each in spectra
+        ]
 
+    def forces(values: str) -> list[np.ndarray]:
+        return [getattr(each, values)[each.quantity == "wheel_rail_force"] for each in spectra]
+
+    by_receiver, by_axle = ("approach", "contribution", "receiver"), ("approach", "axle")
     return xarray.Dataset(
         {
-            "velocity_psd": (
-                ("approach", "contribution", "receiver", "frequency"),
-                np.array([[each.psd[rows(each, name)] for name in contributions] for each in made]),
-                {"unit": "(m/s)2/Hz"},
-            ),
-            "velocity_mean_square": (
-                ("approach", "contribution", "receiver", "band"),
-                np.array([[each.mean_square[rows(each, name)] for name in contributions] for each in made]),
-                {"unit": "(m/s)2"},
-            ),
-            "force_psd": (
-                ("approach", "axle", "frequency"),
-                np.array([each.psd[each.quantity == "wheel_rail_force"] for each in made]),
-                {"unit": "N2/Hz"},
-            ),
-            "force_mean_square": (
-                ("approach", "axle", "band"),
-                np.array([each.mean_square[each.quantity == "wheel_rail_force"] for each in made]),
-                {"unit": "N2"},
-            ),
-            "extrapolated_share": (("band",), first.extrapolated_share, {"unit": "1"}),
+            "velocity_psd": ((*by_receiver, "frequency"), velocities("psd"), {"unit": "(m/s)2/Hz"}),
+            "velocity_mean_square": ((*by_receiver, "band"), velocities("mean_square"), {"unit": "(m/s)2"}),
+            "force_psd": ((*by_axle, "frequency"), forces("psd"), {"unit": "N2/Hz"}),
+            "force_mean_square": ((*by_axle, "band"), forces("mean_square"), {"unit": "N2"}),
+            "extrapolated_share": ("band", first.extrapolated_share, {"unit": "1"}),
         },
         coords={
-            "approach": [each.approach for each in made],
-            "contribution": contributions,
-            "receiver": names,
-            "offset": ("receiver", first.offset_m[at], {"unit": "m"}),
+            "approach": [each.approach for each in spectra],
+            "contribution": list(_CONTRIBUTIONS),
+            "receiver": [receiver.title for receiver in receivers],
+            "offset": ("receiver", [receiver.offset_m for receiver in receivers], {"unit": "m"}),
             "axle": [int(name.removeprefix("axle-")) for name in first.receiver[force]],
             "frequency": ("frequency", first.frequency, {"unit": "Hz"}),
             "band": ("band", first.band, {"unit": "Hz"}),
         },
         attrs={"averaging": averaging},
     ).sortby("axle")
+
+
+def _rows(spectra: Spectra, contribution: str, averaging: str) -> np.ndarray:
+    """Return which series are velocities of a contribution.
+
+    The full model and the response to the axle loads are those of a whole passage, however moving roughness
+    is averaged.
+    """
+    rows = (spectra.contribution == contribution) & (spectra.quantity == "velocity")
+    averaged = rows & (spectra.averaging == averaging)
+    return np.asarray(averaged if averaged.any() else rows)

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 AFTER_RUN = "railvib.after_run"
 """Group of entry points that publish results: called with a run directory each gives a `Publisher`."""
-KINDS = "sweep.units"
 VERIFY = "railvib.verify"
 STUDY = click.Path(dir_okay=False, path_type=Path)
 _RUNS = Path("runs")
@@ -175,11 +174,11 @@ def _collecting_later() -> Iterator[None]:
 def _launch(launch: Mapping[str, Any], directory: Path) -> "Launch":
     """Return who computes; where there has been no run, workers are made ready while it is planned."""
     from sweep.storage import records
-    from sweep.workers.launch import Launch
+    from sweep.workers.launch import STAGES, Launch
 
     launched = Launch(**launch)
     if not (directory / records.MANIFEST).exists():
-        launched.get_ready(KINDS)
+        launched.get_ready(STAGES)
     return launched
 
 
@@ -189,11 +188,12 @@ def _prepare(
     """Plan a study and refuse what cannot be; return also what waits for what is implausible in it."""
     from sweep.forecast.estimate import Estimate
     from sweep.run import prepare
+    from sweep.workers.launch import STAGES
 
     request = prepare(resolved, directory, store)
     if not request.plan.tasks:
         return request, Estimate(), list
-    launched.get_ready(KINDS)
+    launched.get_ready(STAGES)
     cautions = _check_plausibility(resolved, launched)
     planned = _estimate(request)
     _check_fits(request, planned, directory, launched.here)
@@ -289,10 +289,11 @@ def _estimate(request: "Request") -> "Estimate":
 
 def _rates(request: "Request") -> "Rates":
     """Return the rates of this machine for all sorts of work that a request has."""
+    from railvib.stages.fe_be_table import FeBeTable
     from sweep.forecast import pilot
 
     tasks = request.plan.tasks.values()
-    return pilot.rates(any("cross_section" in unit.inputs for task in tasks for unit in task.units))
+    return pilot.rates(any(isinstance(unit.stage, FeBeTable) for task in tasks for unit in task.units))
 
 
 def _check_fits(request: "Request", planned: "Estimate", directory: Path, workers: int | None) -> None:
@@ -307,10 +308,10 @@ def _check_fits(request: "Request", planned: "Estimate", directory: Path, worker
 
 def _check_plausibility(resolved: "Resolved", launched: "Launch") -> Callable[[], list[str]]:
     """Refuse what cannot be computed; what is returned waits for what is implausible."""
-    from sweep import units
+    from sweep import cautions
 
-    units.check_plausibility(resolved)
-    return launched.beside(units.cautions, resolved)
+    cautions.check_plausibility(resolved)
+    return launched.beside(cautions.cautions, resolved)
 
 
 def _load(path: Path) -> "Resolved":

@@ -10,12 +10,13 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from pydantic import BaseModel
 
 import railvib
+from railvib.parameters.receiver import Receiver
 
 _EXACT_INTEGERS = 2**53
 
@@ -47,10 +48,9 @@ def canonical(value: Any) -> Any:
     if isinstance(value, Canonical):
         return value
     if isinstance(value, BaseModel):
-        # By hand, not by model_dump(): aliases with units stay out, and what is absent does not exist here,
-        # so that a new optional field leaves the ids of all objects without it as they are.
-        fields = {name: getattr(value, name) for name in type(value).model_fields}
-        return Canonical({name: canonical(item) for name, item in fields.items() if item is not None})
+        return _canonical_model(value)
+    if isinstance(value, Receiver):
+        return canonical(value.key)
     if value is None or isinstance(value, bool | str):
         return value
     if isinstance(value, int):
@@ -68,6 +68,17 @@ def canonical(value: Any) -> Any:
     if isinstance(value, set | frozenset):
         return tuple(sorted((canonical(item) for item in value), key=text))
     raise TypeError(f"{type(value).__name__} has no canonical form")
+
+
+@lru_cache(1024)
+def _canonical_model(model: BaseModel) -> Canonical:
+    """Return the canonical form of a frozen model, which many units share.
+
+    By hand, not by model_dump(): aliases with units stay out, and what is absent does not exist here, so that
+    a new optional field leaves the ids of all objects without it as they are.
+    """
+    fields = {name: getattr(model, name) for name in type(model).model_fields}
+    return Canonical({name: canonical(item) for name, item in fields.items() if item is not None})
 
 
 def text(value: Any) -> str:

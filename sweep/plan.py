@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, field, replace
 
-from sweep.kinds import Kind, Unit
+from sweep.unit import Unit
 
 
 @dataclass(frozen=True)
@@ -54,17 +54,13 @@ class Plan:
         )
 
 
-def make(
-    wanted: Iterable[Unit], kinds: Mapping[str, Kind], present: Set[str], complete: bool = False
-) -> Plan:
+def make(wanted: Iterable[Unit], present: Set[str], complete: bool = False) -> Plan:
     """Plan what is missing of the wanted units and of all they need.
 
     Parameters
     ----------
     wanted
         The units whose results are asked for.
-    kinds
-        What the engine knows of each kind.
     present
         Ids of the units that are done.
     complete
@@ -76,7 +72,7 @@ def make(
     def visit(unit: Unit) -> None:
         if unit.id in units:
             return
-        needed = kinds[unit.kind].needs(unit.inputs)
+        needed = unit.needs()
         for other in needed:
             visit(other)
         needs[unit.id] = tuple(other.id for other in needed)
@@ -94,7 +90,7 @@ def make(
             missing.add(identity)
         if identity in missing:
             missing.update(other for other in needs[identity] if other not in present)
-    return Plan(_tasks(units, needs, kinds, missing), units, closure, frozenset(missing))
+    return Plan(_tasks(units, needs, missing), units, closure, frozenset(missing))
 
 
 def _closure(identity: str, needs: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
@@ -114,15 +110,13 @@ def _closure(identity: str, needs: Mapping[str, tuple[str, ...]]) -> tuple[str, 
 def _tasks(
     units: Mapping[str, Unit],
     needs: Mapping[str, tuple[str, ...]],
-    kinds: Mapping[str, Kind],
     missing: Set[str],
 ) -> dict[str, Task]:
     """Gather the missing units into tasks, in an order in which they can run."""
     groups: dict[object, list[Unit]] = {}
     for identity, unit in units.items():
         if identity in missing:
-            kind = kinds[unit.kind]
-            groups.setdefault((kind.compute, kind.together(unit.inputs)), []).append(unit)
+            groups.setdefault((type(unit.stage), unit.stage.together()), []).append(unit)
     keys: dict[str, str] = {}
     for group in groups.values():
         digest = hashlib.sha256("".join(unit.id for unit in group).encode()).hexdigest()[:32]

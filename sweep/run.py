@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 import railvib
 from railvib.errors import InputError
-from sweep import plan, units
+from sweep import description, plan
 from sweep.host import host_class
-from sweep.kinds import Kind, Unit
 from sweep.running.lock import LOCK
 from sweep.storage import location, records
 from sweep.study import Case, Resolved
-from sweep.workers.launch import Launch
+from sweep.unit import Unit
+from sweep.wanted import spectra_unit
+from sweep.workers.launch import STAGES, Launch
 
 if TYPE_CHECKING:
     from sweep.running.scheduler import Tally
@@ -97,11 +98,11 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None, compl
         present |= records.listed(store)
     cases = tuple(resolved.cases())
     wanted: dict[tuple[str, str], Unit] = {
-        (case.case_id, approach): units.spectra_unit(resolved, case, approach)
+        (case.case_id, approach): spectra_unit(resolved, case, approach)
         for case in cases
         for approach in resolved.study.approaches.compare
     }
-    made = plan.make(wanted.values(), units.KINDS, present, complete)
+    made = plan.make(wanted.values(), present, complete)
     return Request(resolved, cases, wanted, made, store)
 
 
@@ -247,10 +248,10 @@ def _compute(
         store.clean(directory)
         if request.store:
             store.clean(request.store, location.ABANDONED_S)
-        place = Place(str(directory.resolve()), run_id, units.__name__, store=request.store)
+        place = Place(str(directory.resolve()), run_id, STAGES, store=request.store)
         asked = {unit.id for task in tasks.values() for unit in task.units}
         cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
-        with launch.crew(len(tasks), units.__name__, directory) as crew, Display(len(tasks)) as display:
+        with launch.crew(len(tasks), STAGES, directory) as crew, Display(len(tasks)) as display:
             unsaid, to_come = [cautions], [near_end]
 
             def report(task: plan.Task, outcome: Outcome, tally: scheduler.Tally) -> None:
@@ -309,18 +310,18 @@ def _manifest(request: Request, run_id: str, launch: Launch) -> dict[str, Any]:
         "finished": None,
         "exit_status": None,
         "parameters": resolved.parameters(),
-        "unevenness_bands": units.unevenness_bands(resolved),
-        "rayleigh_speeds_m_s": units.rayleigh_speeds(resolved),
-        "cases": [_case(case, request, units.KINDS) for case in request.cases],
+        "unevenness_bands": description.unevenness_bands(resolved),
+        "rayleigh_speeds_m_s": description.rayleigh_speeds(resolved),
+        "cases": [_case(case, request) for case in request.cases],
     }
 
 
-def _case(case: Case, request: Request, kinds: Mapping[str, Kind]) -> dict[str, Any]:
+def _case(case: Case, request: Request) -> dict[str, Any]:
     approaches = {}
     for approach in request.resolved.study.approaches.compare:
         rests_on = request.plan.closure[request.wanted[case.case_id, approach].id]
         approaches[approach] = [
-            {"unit_id": unit.id, "scope": kinds[unit.kind].scope(unit.inputs)}
+            {"unit_id": unit.id, "scope": unit.scope}
             for unit in (request.plan.units[identity] for identity in rests_on)
         ]
     return {

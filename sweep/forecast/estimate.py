@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from railvib.errors import InputError
-from sweep import units
-from sweep.forecast import work
+from railvib.stages import Stage
 from sweep.forecast.pilot import Rates
-from sweep.kinds import Inputs, Unit
 from sweep.run import Request
 from sweep.storage.cache import CACHE_BYTES
+from sweep.unit import Unit, work
 
 MARGIN = 1.15
 """On the memory that arrays take, for what lies between them."""
@@ -25,17 +24,6 @@ DATABASE_SHARE = 1.5
 """Disk that a run takes over that of its arrays: records and the database."""
 LONGEST_S = 365.25 * 86400.0
 """Wall seconds beyond which a run is refused."""
-
-DEPENDS: Mapping[str, tuple[str, ...]] = {
-    "transfer": ("soil", "track", "offsets_m"),
-    "receptance": ("soil", "track", "train", "speed_kmh"),
-    "moving_transfer": ("soil", "track", "speed_kmh"),
-    "line_integrals": ("soil", "track", "train", "offsets_m"),
-    "quasi_static": ("soil", "track", "train", "speed_kmh"),
-    "train_integrals": ("soil", "track", "train", "offsets_m"),
-    "spectra": ("soil", "track", "train", "unevenness", "speed_kmh"),
-}
-"""By kind, the axes of a study with which the number of its units grows."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +63,7 @@ def estimate(request: Request, rates: Rates) -> Estimate:
         return Estimate()
     stored = sum(_sizes(request).values())
     memory = max(_memory(task.units) for task in plan.tasks.values())
-    needed = sum(units.KINDS[unit.kind].size(unit.inputs) for unit in plan.units.values())
+    needed = sum(unit.stage.nbytes() for unit in plan.units.values())
     held = CACHE_SHARE * min(CACHE_BYTES, needed)
     return Estimate(
         tasks=len(plan.tasks),
@@ -176,30 +164,30 @@ def describe(request: Request, planned: Estimate, directory: Path, workers: int 
     )
 
 
-def _sizes(request: Request) -> Counter[str]:
-    """Return the bytes that are missing, by kind."""
-    found: Counter[str] = Counter()
+def _sizes(request: Request) -> Counter[type[Stage]]:
+    """Return the bytes that are missing, by stage."""
+    amounts: Counter[type[Stage]] = Counter()
     for identity in request.plan.missing:
         unit = request.plan.units[identity]
-        found[unit.kind] += units.KINDS[unit.kind].size(unit.inputs)
-    return found
+        amounts[type(unit.stage)] += unit.stage.nbytes()
+    return amounts
 
 
-def _cpu(request: Request, rates: Rates) -> Counter[str]:
-    """Return the processor seconds of what is missing, by kind."""
-    found: Counter[str] = Counter()
+def _cpu(request: Request, rates: Rates) -> Counter[type[Stage]]:
+    """Return the processor seconds of what is missing, by stage."""
+    amounts: Counter[type[Stage]] = Counter()
     for task in request.plan.tasks.values():
-        found[task.units[0].kind] += rates.of(*work.amounts(task.units))  # type: ignore[assignment]
-    return found
+        amounts[type(task.units[0].stage)] += rates.of(work(task.units))  # type: ignore[assignment]
+    return amounts
 
 
 def _memory(task: tuple[Unit, ...]) -> int:
     """Estimate what computing a task needs, by its units that need most."""
-    kind = units.KINDS[task[0].kind]
-    return sum(sorted((kind.memory(unit.inputs) for unit in task), reverse=True)[: kind.at_once])
+    memory = sorted((unit.stage.memory() for unit in task), reverse=True)
+    return sum(memory[: task[0].stage.at_once])
 
 
-def _largest_axis(request: Request, by_kind: Mapping[str, float]) -> str:
+def _largest_axis(request: Request, by_stage: Mapping[type[Stage], float]) -> str:
     """Return the axis without whose values but one the least would be left, with how many it has."""
     study = request.resolved.study
     values: dict[str, Any] = {
@@ -208,7 +196,7 @@ def _largest_axis(request: Request, by_kind: Mapping[str, float]) -> str:
     }
 
     def saved(axis: str) -> float:
-        part = sum(amount for kind, amount in by_kind.items() if axis in DEPENDS.get(kind, ()))
+        part = sum(amount for stage, amount in by_stage.items() if axis in stage.grows_with)
         return part * (1.0 - 1.0 / max(len(values[axis]), 1))
 
     axis = max(values, key=saved)
@@ -219,11 +207,12 @@ def _largest_axis(request: Request, by_kind: Mapping[str, float]) -> str:
 def _hungriest(request: Request) -> str:
     """Return the axis, and its value, that makes the task which needs most memory what it is."""
     task = max(request.plan.tasks.values(), key=lambda task: _memory(task.units))
-    inputs: Inputs = task.units[0].inputs
-    resolved = request.resolved
-    if task.units[0].kind == "spectra" and units.matrices_memory(inputs) > 0.5 * _memory(task.units):
-        name = next(name for name, each in resolved.canonical["train"].items() if each == inputs["train"])
-        return f"sweep.train = {name!r} ({len(units.train_axles(inputs['train']).position)} axles)"
+    stage, resolved = task.units[0].stage, request.resolved
+    axis = stage.memory_grows_with()
+    if axis is not None:
+        value = getattr(stage, axis)
+        name = next(name for name, known in resolved.objects[axis].items() if known == value)
+        return f"sweep.{axis} = {name!r} ({value.axle_count} axles)"
     if resolved.study.receivers.offsets_m:
         farthest = max(resolved.study.receivers.offsets_m)
         return f"receivers.offsets_m = {farthest:g} m"

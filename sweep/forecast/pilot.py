@@ -1,7 +1,7 @@
 """How fast this machine does each sort of work: measured once on a small study, and kept for later plans.
 
 The pilot runs tasks of the product itself in a process set up as a worker, and finds for each sort of task
-the rates at which its processor time follows its amounts of work (`sweep.forecast.work`), by least squares
+the rates at which its processor time follows its amounts of work (`railvib.stages.Work`), by least squares
 with rates that are not negative. They are kept in the user's cache directory, by host, model version,
 libraries and the code of the physics, as all of these change them.
 """
@@ -29,14 +29,19 @@ from railvib import library
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
+from railvib.parameters.receiver import RAIL, Receiver
 from railvib.soil.fits import GroundFits
-from sweep import plan, study, units
-from sweep.forecast import work
+from railvib.stages import Work
+from railvib.stages.fe_be_table import FeBeTable
+from railvib.stages.transfer_table import TransferTable
+from sweep import plan, study
 from sweep.host import host_class
-from sweep.kinds import Unit
 from sweep.running.task import Place, execute
 from sweep.storage import records
+from sweep.unit import Unit, unit_of, work
+from sweep.wanted import spectra_unit
 from sweep.workers import compiling, forks
+from sweep.workers.launch import STAGES
 
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
 _PLACES = 120
@@ -60,10 +65,10 @@ class Rates:
     idle_bytes: int
     pilot_s: float
 
-    def of(self, sort: str, amounts: Mapping[str, float]) -> float:
-        """Return the processor seconds that a task of a sort takes."""
-        rates = self.cpu_s.get(sort, {})
-        return sum(rates.get(name, 0.0) * amount for name, amount in amounts.items())
+    def of(self, work: Work) -> float:
+        """Return the processor seconds that some work takes."""
+        rates = self.cpu_s.get(work.sort, {})
+        return sum(rates.get(name, 0.0) * amount for name, amount in work.amounts.items())
 
 
 @cache
@@ -98,7 +103,6 @@ def _key() -> str:
     sources = [Path(str(resources.files(package))) for package in ("railvib", "sweep.forecast")]
     for file in sorted(file for folder in sources for file in folder.rglob("*.py")):
         digest.update(file.read_bytes())
-    digest.update(Path(str(units.__file__)).read_bytes())
     return digest.hexdigest()[:32]
 
 
@@ -111,7 +115,7 @@ def _measured_apart(name: str) -> Rates:
 
     done = subprocess.run(
         [sys.executable, "-m", "sweep.forecast.pilot", name],
-        env={**os.environ, **ENVIRONMENT, forks.KINDS: units.__name__},
+        env={**os.environ, **ENVIRONMENT, forks.KINDS: STAGES},
         stdout=subprocess.PIPE,
         check=True,
     )
@@ -122,18 +126,16 @@ def measure() -> Rates:
     """Run the pilot's tasks in this process, and return the rates."""
     import sweep.workers.preloaded  # noqa: F401 - what a worker has loaded
 
-    compiling.load(units.__name__)  # a process that serves runs of other kinds may have been forked
+    compiling.load(STAGES)  # a process that serves runs of other kinds may have been forked
     idle = _resident()
     began = time.process_time()
     samples: dict[str, list[_Sample]] = {}
     with tempfile.TemporaryDirectory(prefix="railvib-pilot-") as folder:
-        place = Place(folder, "pilot", units.__name__)
+        place = Place(folder, "pilot", STAGES)
         for task in _tasks():
-            sort, amounts = work.amounts(task)
-            samples.setdefault(sort, []).append(_timed(task, amounts, place))
-    return Rates(
-        {sort: _rates(sort, each) for sort, each in samples.items()}, idle, time.process_time() - began
-    )
+            sample = _timed(task, place)
+            samples.setdefault(sample.work.sort, []).append(sample)
+    return Rates({sort: _rates(each) for sort, each in samples.items()}, idle, time.process_time() - began)
 
 
 def _resident() -> int:
@@ -149,7 +151,7 @@ def measure_fe_be() -> Rates:
     """Evaluate the FE/BE model at some places, and return what one place costs."""
     from railvib.fe_be.model import FeBeModel
 
-    units.warm_up_fe_be()
+    compiling.compile_stage(FeBeTable)
     began = time.process_time()
     ground, track = library.load("soil", "greby"), library.load("track", "ballasted-paper")
     block, tolerance = 2, 1e-3
@@ -162,18 +164,18 @@ def measure_fe_be() -> Rates:
     for k in ks[1:4]:
         evaluate(0, int(k), beta)
     spent = time.process_time() - spent
-    return Rates({work.FE_BE: {"values": spent / (3 * _PLACES)}}, 0, time.process_time() - began)
+    return Rates({FeBeTable.SORT: {"values": spent / (3 * _PLACES)}}, 0, time.process_time() - began)
 
 
 class _Sample(NamedTuple):
-    """A task's amounts, and the processor seconds that it took: altogether and by stage."""
+    """A task's work, and the processor seconds that it took: altogether and by stage."""
 
-    amounts: work.Amounts
+    work: Work
     total: float
     stages: Mapping[str, float]
 
 
-def _timed(task: Sequence[Unit], amounts: work.Amounts, place: Place) -> _Sample:
+def _timed(task: Sequence[Unit], place: Place) -> _Sample:
     """Run a task as a worker does, with all that goes into storing it."""
     outcome = execute("pilot", task, place)
     if outcome.status != "done":
@@ -183,7 +185,7 @@ def _timed(task: Sequence[Unit], amounts: work.Amounts, place: Place) -> _Sample
         record = records.find(place.directory, unit.kind, unit.id)
         for spent in record["costs"] if record else ():
             stages[spent["stage"]] = stages.get(spent["stage"], 0.0) + spent["cpu_s"]
-    return _Sample(amounts, outcome.cpu_s, stages)
+    return _Sample(work(task), outcome.cpu_s, stages)
 
 
 def _tasks() -> list[tuple[Unit, ...]]:
@@ -196,15 +198,17 @@ def _tasks() -> list[tuple[Unit, ...]]:
     ):
         resolved = study.resolve(_study(soil, train, offsets, band, averaging))
         (case,) = resolved.cases()
-        wanted = [units.spectra_unit(resolved, case, each) for each in resolved.study.approaches.compare]
-        tasks = plan.make(wanted, units.KINDS, set()).tasks
+        wanted = [spectra_unit(resolved, case, each) for each in resolved.study.approaches.compare]
+        tasks = plan.make(wanted, set()).tasks
         made |= {key: task.units for key, task in tasks.items() if key not in made}
     layered = _split(library.load("soil", "greby"))
+    track = library.load("track", "ballasted-paper")
     for block in (0, 2):
-        inputs = {"track": library.load("track", "ballasted-paper"), "block": block, "tolerance": 1e-4}
-        receivers = ("rail", 32.0)
         made[f"{block}"] = tuple(
-            Unit.of("transfer", ground=layered, receiver=receiver, **inputs) for receiver in receivers
+            unit_of(
+                TransferTable(ground=layered, track=track, tolerance=1e-4, receiver=receiver, block=block)
+            )
+            for receiver in (RAIL, Receiver(32.0))
         )
     return list(made.values())
 
@@ -245,11 +249,11 @@ def _split(ground: Any) -> Ground:
     return Ground(layers=(*halves, ground.layers[-1]))
 
 
-def _rates(sort: str, samples: Sequence[_Sample]) -> dict[str, float]:
+def _rates(samples: Sequence[_Sample]) -> dict[str, float]:
     """Return the rates of a sort of task: some amounts make a stage, the others all the rest."""
-    stages = work.STAGES.get(sort, {})
+    stages = samples[0].work.by_cost
     taken = {name for names in stages.values() for name in names}
-    rest = [name for name in samples[0].amounts if name not in taken]
+    rest = [name for name in samples[0].work.amounts if name not in taken]
     found: dict[str, float] = {}
     for stage, names in stages.items():
         found |= _fitted(names, samples, [sample.stages.get(stage, 0.0) for sample in samples])
@@ -261,7 +265,7 @@ def _fitted(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[fl
     """Return rates, none negative, that come nearest to what tasks took; short ones count as much as long."""
     from scipy.optimize import nnls  # slow to import, and a pilot is rare
 
-    amounts = np.array([[sample.amounts[name] for name in names] for sample in samples])
+    amounts = np.array([[sample.work.amounts[name] for name in names] for sample in samples])
     weight = 1.0 / np.maximum(spent, 0.1 * np.max(spent) + 1e-4)
     scale = amounts.max(axis=0)
     found, _ = nnls(amounts / scale * weight[:, None], np.asarray(spent) * weight)

@@ -20,11 +20,12 @@ from typing import Any, Literal
 
 import railvib
 from railvib import cost
-from railvib.errors import PlausibilityWarning
+from railvib.errors import AccuracyWarning, PlausibilityWarning
 from sweep.host import host_class
-from sweep.kinds import AccuracyWarning, Kind, Unit, registry
 from sweep.storage import fields, location, records, store
 from sweep.storage.cache import CACHE_BYTES, Cache, Latest
+from sweep.unit import Unit, registry, stage_class, unit_of
+from sweep.workers import compiling
 
 NEGLIGIBLE_S = 2e-5
 """Time between a result's stages that is not worth a stage of its own."""
@@ -51,9 +52,9 @@ class Place:
         """Where units may lie."""
         return (self.directory, self.store) if self.store else (self.directory,)
 
-    def home(self, unit: Unit, kind: Kind) -> str:
+    def home(self, unit: Unit) -> str:
         """Return where a unit is written: what belongs to a case stays with the run."""
-        return self.directory if kind.scope(unit.inputs) == "case" else self.homes[-1]
+        return self.directory if unit.scope == "case" else self.homes[-1]
 
     def find(self, unit: Unit) -> tuple[str, dict[str, Any]] | None:
         """Return where a unit lies and its commit record, or None where it has none."""
@@ -125,7 +126,6 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
         Where results go.
     """
     missing = [unit for unit in units if place.find(unit) is None]
-    kinds = registry(place.kinds)
     started = _now()
     cpu = time.process_time()
     _reset_peak()
@@ -140,7 +140,7 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
         )
 
     try:
-        for first, stored, warned in _compute(missing, kinds, place, started):
+        for first, stored, warned in _compute(missing, place, started):
             done.append(first)
             written.append(stored)
             cautions += warned
@@ -159,45 +159,45 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
     return outcome("done")
 
 
-def _compute(
-    missing: list[Unit], kinds: Mapping[str, Kind], place: Place, started: str
-) -> Iterator[tuple[bool, int, list[str]]]:
+def _compute(missing: list[Unit], place: Place, started: str) -> Iterator[tuple[bool, int, list[str]]]:
     """Compute batch by batch, commit what each brings; yield whether it is first, its bytes, and warnings."""
     if not missing:
         return
-    batches = kinds[missing[0].kind].compute(missing, Reader(place, kinds))
+    computing = stage_class(missing[0], registry(place.kinds))
+    compiling.compile_stage(computing)
+    units = {unit.stage: unit for unit in missing}
+    read = Reader(place)
+    batches = computing.compute_together(list(units), lambda stage: read(unit_of(stage)))
     writers = {home: store.Writer(home) for home in place.homes}
     while True:
         cpu, wall = time.process_time(), time.perf_counter()
         with cost.collect() as costs, warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("ignore", PlausibilityWarning)  # the plan has shown them, once
             warnings.simplefilter("always", AccuracyWarning)
-            batch = next(batches, None)
-        if batch is None:
+            results = next(batches, None)
+        if results is None:
             return
+        batch = {units[stage]: result for stage, result in results.items()}
         _complete(costs, time.perf_counter() - wall, time.process_time() - cpu)
         cautions = [str(each.message) for each in caught if issubclass(each.category, AccuracyWarning)]
-        yield from _record(batch, costs, cautions, kinds, place, writers, started)
-        del batch  # before the next one takes its memory
+        yield from _record(batch, costs, cautions, place, writers, started)
+        del batch, results  # before the next one takes its memory
 
 
 def _record(
     batch: Mapping[Unit, Any],
     costs: list[cost.StageCost],
     cautions: list[str],
-    kinds: Mapping[str, Kind],
     place: Place,
     writers: Mapping[str, store.Writer],
     started: str,
 ) -> Iterator[tuple[bool, int, list[str]]]:
     """Store and commit a batch; yield what `_compute` does."""
-    shares = {unit: _share(unit, batch, costs, kinds) for unit in batch}
+    shares = {unit: _share(unit, batch, costs) for unit in batch}
     stored: dict[str, list[tuple[Unit, dict[str, Any], store.Written]]] = {home: [] for home in writers}
-    for group in _groups(batch, kinds):
-        one = next(iter(group))
-        kind = kinds[one.kind]
-        home = place.home(one, kind)
-        stored[home] += _store(group, kind, shares, cautions, place, writers[home], started)
+    for group in _groups(batch):
+        home = place.home(next(iter(group)))
+        stored[home] += _store(group, shares, cautions, place, writers[home], started)
     for writer in writers.values():
         writer.settle()
     # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
@@ -205,9 +205,8 @@ def _record(
     for home, made in stored.items():
         firsts = records.commit_many(home, [record for _, record, _ in made])
         for (unit, _, written), first in zip(made, firsts, strict=True):
-            kind = kinds[unit.kind]
-            if first and kind.scope(unit.inputs) != "case":  # what belongs to one case no other task reads
-                _hold(unit, place, store.restored(written, kind.result))
+            if first and unit.scope != "case":  # what belongs to one case no other task reads
+                _hold(unit, place, store.restored(written, unit.stage.result))
                 _recorded[place.directory, unit.id] = home, written.recorded()
             yield first, written.bytes_written, cautions
             records.forget_failure(place.directory, unit.id)
@@ -216,9 +215,8 @@ def _record(
 class Reader:
     """Reads results of units that are done, verified against their records."""
 
-    def __init__(self, place: Place, kinds: Mapping[str, Kind]) -> None:
+    def __init__(self, place: Place) -> None:
         self._place = place
-        self._kinds = kinds
 
     def __call__(self, unit: Unit) -> Any:
         """Return the result of a unit.
@@ -260,7 +258,7 @@ class Reader:
         return self._read(unit, home, {name: record.get(name) for name in store.RECORDED})
 
     def _read(self, unit: Unit, home: str, recorded: dict[str, Any]) -> Any:
-        result: Any = store.read(home, kind=self._kinds[unit.kind].result, **recorded)
+        result: Any = store.read(home, kind=unit.stage.result, **recorded)
         _recorded[self._place.directory, unit.id] = home, recorded
         return result
 
@@ -270,19 +268,18 @@ def _hold(unit: Unit, place: Place, result: Any) -> None:
     _cache.put((place.directory, unit.id), result)
 
 
-def _groups(batch: Mapping[Unit, Any], kinds: Mapping[str, Kind]) -> list[dict[Unit, fields.Parts]]:
+def _groups(batch: Mapping[Unit, Any]) -> list[dict[Unit, fields.Parts]]:
     """Part a batch into results of one kind that are stored as one group."""
     groups: dict[Hashable, dict[Unit, fields.Parts]] = {}
     for unit, result in batch.items():
         parts = fields.split(result)
-        alone = kinds[unit.kind].label(unit.inputs) is None
+        alone = unit.stage.label() is None
         groups.setdefault(unit if alone else (unit.kind, parts.sharing), {})[unit] = parts
     return list(groups.values())
 
 
 def _store(
     group: Mapping[Unit, fields.Parts],
-    kind: Kind,
     shares: Mapping[Unit, list[dict[str, Any]]],
     cautions: list[str],
     place: Place,
@@ -294,7 +291,7 @@ def _store(
     first = next(iter(group))
     name = f"{first.kind}/{first.id}"
     said = {"kind": first.kind, "model_version": railvib.MODEL_VERSION}
-    results = {kind.label(unit.inputs): parts.saying(unit_id=unit.id) for unit, parts in group.items()}
+    results = {unit.stage.label(): parts.saying(unit_id=unit.id) for unit, parts in group.items()}
     made = writer.together(name, results, said)
     wall_s = (time.perf_counter() - wall) / len(group)
     cpu_s = (time.process_time() - cpu) / len(group)
@@ -355,9 +352,7 @@ def _complete(costs: list[cost.StageCost], wall_s: float, cpu_s: float) -> None:
         cost.add(costs, cost.StageCost("other", max(wall_s, 0.0), max(cpu_s, 0.0), peak_rss_bytes=_peak()))
 
 
-def _share(
-    unit: Unit, batch: Mapping[Unit, Any], costs: Iterable[cost.StageCost], kinds: Mapping[str, Kind]
-) -> list[dict[str, Any]]:
+def _share(unit: Unit, batch: Mapping[Unit, Any], costs: Iterable[cost.StageCost]) -> list[dict[str, Any]]:
     """Return a unit's part of its batch's costs: a stage named as a kind is its units', others all's."""
     members: dict[str, int] = {}
     for other in batch:

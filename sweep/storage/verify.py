@@ -5,8 +5,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from sweep.kinds import Unit
 from sweep.storage import records, store
+from sweep.unit import Unit
 
 THREADS = 4
 """They read and hash side by side; more do not help where reading is bound by Python."""

@@ -10,10 +10,12 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from importlib import metadata, resources
 from pathlib import Path
 
 from railvib.soil.flexibility import surface_flexibility
+from railvib.stages.stage import Stage
 from sweep import identity
 from sweep.host import host_class
 from sweep.workers import forks
@@ -41,6 +43,14 @@ def load(kinds: str) -> None:
                 done.parent.mkdir(parents=True, exist_ok=True)
                 done.touch()
     module.warm_up()
+
+
+@cache
+def compile_stage(stage: type[Stage]) -> None:
+    """Compile the kernels that a stage needs beyond those that all processes load, once per process."""
+    if stage.compile.__func__ is not Stage.compile.__func__:  # type: ignore[attr-defined]
+        with alone():
+            stage.compile()
 
 
 def _succeeds_apart(warm_up: Callable[[], None]) -> bool:

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from sweep.running.scheduler import Crew
     from sweep.workers.cluster_file import ClusterFile
 
+STAGES = "railvib.stages"
+"""Module of the product's stages, see `sweep.unit`."""
+
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
 

@@ -6,7 +6,8 @@ Run from the top of the repository: ``python -m tests.data.unit_ids``.
 import json
 from pathlib import Path
 
-from sweep import identity, plan, study, units
+from sweep import identity, plan, study
+from sweep.wanted import spectra_unit
 
 STUDIES = Path(__file__).parents[2] / "studies"
 FROZEN = Path(__file__).with_name("unit_ids.json")
@@ -25,12 +26,12 @@ def resolved_studies():
 def unit_ids(resolved):
     """Return the ids of all units that a study needs, sorted, by kind."""
     wanted = [
-        units.spectra_unit(resolved, case, approach)
+        spectra_unit(resolved, case, approach)
         for case in resolved.cases()
         for approach in resolved.study.approaches.compare
     ]
     ids = {}
-    for unit in plan.make(wanted, units.KINDS, set()).units.values():
+    for unit in plan.make(wanted, set()).units.values():
         inputs = {"kind": unit.kind, "model_version": MODEL_VERSION, "inputs": unit.inputs}
         ids.setdefault(unit.kind, []).append(identity.digest(inputs)[:16])
     return {kind: sorted(found) for kind, found in sorted(ids.items())}

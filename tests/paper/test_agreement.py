@@ -7,9 +7,9 @@ import railvib
 from railvib import library
 from railvib.numerics import third_octaves
 from railvib.parameters.units import KMH
-from sweep import units
-from sweep.kinds import Unit
+from railvib.stages import stage_of
 from sweep.storage import records, store
+from sweep.unit import unit_of
 
 SOIL, OFFSET, TOLERANCE = "horstwalde", 8.0, 1e-9
 APPROACHES = ("moving-roughness", "moving-roughness-uncorrelated", "full")
@@ -64,14 +64,14 @@ def test_database_and_prediction_agree(results, predicted, approach):
 
 @pytest.mark.parametrize("approach", APPROACHES)
 def test_database_and_spectra_computed_again_from_the_store_agree(results, run_directory, approach):
-    unit = Unit.of("spectra", **stored(results, run_directory, approach)["inputs"])
+    stage = stage_of("spectra", stored(results, run_directory, approach)["inputs"])
 
-    def load(needed: Unit):
-        record = records.find(run_directory, needed.kind, needed.id)
+    def load(needed):
+        record = records.find(run_directory, needed.kind, unit_of(needed).id)
         recorded = {name: record[name] for name in store.RECORDED}
-        return store.read(run_directory, kind=units.KINDS[needed.kind].result, **recorded)
+        return store.read(run_directory, kind=needed.result, **recorded)
 
-    (again,) = (result for made in units.KINDS["spectra"].compute([unit], load) for result in made.values())
+    again = stage.compute(load)
     assert len(again.receiver) > 20
     for series in range(len(again.receiver)):
         offset = float(again.offset_m[series])

@@ -16,8 +16,9 @@ from railvib.psd.excitation import excitation, resolved
 from railvib.psd.full_model import passage_spectra
 from railvib.psd.line_integrals import directly, line_integrals
 from railvib.psd.moving_roughness import axle_pairs, products, spans
+from railvib.psd.moving_roughness_spectra import moving_roughness_spectra
 from railvib.psd.quasi_static import quasi_static_spectra
-from railvib.psd.spectra import line_step, lines, spectra
+from railvib.psd.spectra import Passage, line_step, lines
 
 SPEED = 150.0 / KMH
 ROUGH = Unevenness(form="fra-hamid-yang", line_class=3)
@@ -82,10 +83,12 @@ def test_by_axle_equals_all_together(functions, standing, train):
     midband = third_octaves.midbands(2.0, 25.0)
     d = spans(train.axle_positions)
     integrals = line_integrals(functions, d, range(3))
-    f = lines(midband, line_step(train.length, SPEED))
-    still = quasi_static_spectra(functions, train.axle_positions, train.axle_loads, train.length, SPEED, f)
+    passage = Passage(train, ROUGH, SPEED, tuple(midband.tolist()))
+    still = quasi_static_spectra(
+        functions, train.axle_positions, train.axle_loads, train.length, SPEED, passage.frequency
+    )
     made = {
-        approach: spectra(approach, train, ROUGH, SPEED, midband, standing, still, integrals=integrals)
+        approach: moving_roughness_spectra(approach, passage, standing, still, integrals, {})
         for approach in ("moving-roughness", "moving-roughness-by-axle", "moving-roughness-uncorrelated")
     }
     together, by_axle, uncorrelated = made.values()

@@ -235,7 +235,7 @@ class TestRefusals:
         def computes(*_arguments):
             raise AssertionError("a tolerance that cannot be met is computed with")
 
-        monkeypatch.setattr("railvib.prediction.transfer_blocks", computes)
+        monkeypatch.setattr("railvib.prediction.evaluate", computes)
         with pytest.raises(InputError, match="tolerance"):
             predict(SOFT, track, single, ROUGH, SPEED, [8.0], tolerance=tolerance, **LIMITS)
         with pytest.raises(InputError, match="tolerance"):

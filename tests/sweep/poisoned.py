@@ -1,34 +1,33 @@
-"""The product's kinds of work, of which some spectra raise or kill, as an environment variable says."""
+"""The product's stages, of which some spectra raise or kill, as an environment variable says."""
 
 import json
 import os
 import signal
-from dataclasses import replace
-from typing import Any
 
+from railvib import stages
 from railvib.parameters.units import KMH
-from sweep import units as sound
+from railvib.stages.moving_roughness import MovingRoughnessSpectra
 
 POISON = "RAILVIB_TEST_POISON"
 """JSON: what to do at which speed in km/h."""
 
 
-def __getattr__(name: str) -> Any:
-    """Return what is not poisoned."""
-    return getattr(sound, name)
+class Poisoned(MovingRoughnessSpectra):
+    """Spectra that raise or kill at some speeds."""
+
+    @classmethod
+    def compute_together(cls, stages, load):
+        """Compute, raise or kill."""
+        for stage in stages:
+            poison = json.loads(os.environ.get(POISON, "{}")).get(f"{stage.speed * KMH:g}")
+            if poison == "raise":
+                raise ArithmeticError(f"poisoned at {stage.speed * KMH:g} km/h")
+            if poison == "kill":
+                os.kill(os.getpid(), signal.SIGKILL)
+            yield {stage: stage.compute(load)}
 
 
-def _spectra(units, load):
-    for unit in units:
-        poison = json.loads(os.environ.get(POISON, "{}")).get(f"{unit.inputs['speed'] * KMH:g}")
-        if poison == "raise":
-            raise ArithmeticError(f"poisoned at {unit.inputs['speed'] * KMH:g} km/h")
-        if poison == "kill":
-            os.kill(os.getpid(), signal.SIGKILL)
-        yield from sound.KINDS["spectra"].compute([unit], load)
-
-
-KINDS = {**sound.KINDS, "spectra": replace(sound.KINDS["spectra"], compute=_spectra)}
+STAGES = {**stages.STAGES, MovingRoughnessSpectra.__name__: Poisoned}
 
 
 def warm_up():

@@ -142,9 +142,9 @@ def test_another_speed_leaves_the_ground_alone(here, computed):
 
 
 def test_a_failed_task_is_told_and_resumed(here, monkeypatch):
-    from sweep import units
+    from railvib.stages import line_integrals
 
-    monkeypatch.setattr(units, "line_integrals", lambda *_: 1 / 0)
+    monkeypatch.setattr(line_integrals, "line_integrals", lambda *_: 1 / 0)
     result = invoke("run", "small.toml", "--workers", 0)
     assert result.exit_code == 1
     assert "ZeroDivisionError: division by zero" in result.output

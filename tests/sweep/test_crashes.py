@@ -82,7 +82,7 @@ def workers():
 
 
 def run(directory, wanted, crew):
-    made = plan.make(wanted, toy.KINDS, records.present(directory))
+    made = plan.make(wanted, records.present(directory))
     settled = []
     tally = scheduler.run(
         made,
@@ -224,7 +224,7 @@ def test_poisoned_cases_fail_alone_and_are_retried(folder, computed, monkeypatch
     )
     (folder / "small.toml").write_text(text.replace("[30]", "[30, 31, 32, 33]"), encoding="utf-8")
     directory = folder / "out"
-    monkeypatch.setattr("sweep.run.units", poisoned)
+    monkeypatch.setattr("sweep.run.STAGES", poisoned.__name__)
     monkeypatch.setenv(poisoned.POISON, '{"31": "raise", "32": "kill"}')
     result = invoke("run", folder / "small.toml", "--out", directory, "--workers", 2)
     assert result.exit_code == 1, result.output

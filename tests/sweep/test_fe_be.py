@@ -12,10 +12,11 @@ from railvib.errors import InputError
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.vehicle import Train
 from railvib.psd.spectra import Spectra
-from sweep import study, units
+from sweep import study
 from sweep.storage import records, store
+from sweep.wanted import spectra_unit
 from tests.sweep.small import STUDY, invoke
-from tests.sweep.test_units import ids
+from tests.sweep.test_wanted import ids
 
 DEGENERATE = '[cross_section]\nbed = "columns"\ncontact = "smooth"\ndisplacement = "centre"\nelements = 1\n'
 BOTH = STUDY.replace('"full"', '"fe-be"') + DEGENERATE
@@ -24,7 +25,7 @@ BOTH = STUDY.replace('"full"', '"fe-be"') + DEGENERATE
 def unit(text, approach):
     resolved = study.resolve(tomllib.loads(text))
     (case,) = resolved.cases()
-    return units.spectra_unit(resolved, case, approach)
+    return spectra_unit(resolved, case, approach)
 
 
 def test_degenerate_model_stores_what_moving_roughness_stores(tmp_path, monkeypatch):

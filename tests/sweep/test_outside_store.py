@@ -47,11 +47,12 @@ def arrays(directory):
 
 
 def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, monkeypatch):
-    from sweep import units
+    from railvib.stages import full_model, moving_roughness
 
     address = f"{s3}/studies"
     with monkeypatch.context() as broken:
-        broken.setattr(units, "spectra", lambda *_: 1 / 0)
+        broken.setattr(moving_roughness, "moving_roughness_spectra", lambda *_: 1 / 0)
+        broken.setattr(full_model, "full_model_spectra", lambda *_: 1 / 0)
         assert invoke("run", "small.toml", "--workers", 0, "--store", address).exit_code == 1
     out = here / "runs" / "small"
     assert kinds(address) == SHARED
@@ -125,7 +126,7 @@ def outside(request, tmp_path):
 
 
 def run(directory, wanted, outside):
-    made = plan.make(wanted, toy.KINDS, records.listed(directory) | records.listed(outside))
+    made = plan.make(wanted, records.listed(directory) | records.listed(outside))
     place = Place(str(directory), "run-1", toy.__name__, store=outside)
     task.forget()  # as another process would
     return scheduler.run(made, place, scheduler.ThisProcess(), lambda *_: None)

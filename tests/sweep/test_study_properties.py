@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 from railvib import library
 from railvib.numerics.third_octaves import midbands
 from railvib.parameters.approach import APPROACHES
-from sweep import study, units
+from sweep import study
 from sweep.run import prepare
+from sweep.wanted import spectra_unit
 
 SHELVES = {
     "soil": ("horstwalde", "greby"),
@@ -90,7 +91,7 @@ def ids(data):
     resolved = study.resolve(data)
     cases = list(resolved.cases())
     wanted = {
-        units.spectra_unit(resolved, case, approach).id
+        spectra_unit(resolved, case, approach).id
         for case in cases
         for approach in resolved.study.approaches.compare
     }

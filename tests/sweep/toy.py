@@ -1,17 +1,17 @@
-"""Kinds of work for tests of the engine: arithmetic on small arrays; a unit may raise or kill."""
+"""Stages for tests of the engine: arithmetic on small arrays; a stage may raise or kill."""
 
 import os
 import signal
 import time
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from railvib import cost
-from sweep.kinds import Inputs, Kind, Load, Unit
+from railvib.stages import Load, Scope, Stage
+from sweep.unit import Unit, unit_of
 
 
 @dataclass(frozen=True)
@@ -23,75 +23,91 @@ class Numbers:
     pair: tuple[int, ...]
 
 
-def square(number: float, **more: Any) -> Unit:
-    """Return the unit of the squares around a number."""
-    return Unit.of("square", number=number, **more)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Arithmetic(Stage):
+    """What the stages have in common."""
+
+    marks: str | None = None
+    sleep: float = 0.0
+    result: ClassVar[type] = Numbers
+
+    def _leave_mark(self, name: str) -> None:
+        """Leave a file per start, so that a test can count starts across processes."""
+        if self.marks is not None:
+            (Path(self.marks) / f"{name}-{os.getpid()}-{time.monotonic_ns()}").touch()
+
+    def nbytes(self) -> int:
+        """Return the bytes of three numbers."""
+        return 24
+
+    def memory(self) -> int:
+        """Return the same."""
+        return 24
 
 
-def total(*numbers: float, **more: Any) -> Unit:
-    """Return the unit that sums the squares of several numbers."""
-    return Unit.of("total", numbers=sorted(numbers), **more)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Square(Arithmetic):
+    """The squares around a number."""
 
+    number: float
+    poison: str | None = None
+    kind: ClassVar[str] = "square"
+    scope: ClassVar[Scope] = "ground"
 
-def _squares(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Numbers]]:
-    for unit in units:
-        number = unit.inputs["number"]
-        _leave_mark(unit.inputs)
-        if unit.inputs.get("poison") == "raise":
-            raise ValueError(f"cannot square {number}")
-        if unit.inputs.get("poison") == "kill":
+    def together(self) -> float:
+        """Return the same for an even number and the next."""
+        return self.number // 2
+
+    def compute(self, load: Load) -> Numbers:
+        """Square, raise or kill."""
+        self._leave_mark(f"{self.number}")
+        if self.poison == "raise":
+            raise ValueError(f"cannot square {self.number}")
+        if self.poison == "kill":
             os.kill(os.getpid(), signal.SIGKILL)
-        time.sleep(unit.inputs.get("sleep", 0.0))
+        time.sleep(self.sleep)
         with cost.stage("square") as spent:
             spent.evaluations += 3
-            value = (number + np.arange(3.0)) ** 2
-        yield {unit: Numbers(value, f"square of {number:g}", (1, 2))}
+            value = (self.number + np.arange(3.0)) ** 2
+        return Numbers(value, f"square of {self.number:g}", (1, 2))
 
 
-def _totals(units: Sequence[Unit], load: Load) -> Iterator[Mapping[Unit, Numbers]]:
-    for unit in units:
-        _leave_mark(unit.inputs)
-        parts = [load(part).value for part in _parts(unit.inputs)]
-        yield {unit: Numbers(np.sum(parts, axis=0), "total", ())}
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Total(Arithmetic):
+    """The sum of the squares of several numbers."""
+
+    numbers: tuple[float, ...]
+    poisons: tuple[tuple[str, str], ...] = ()
+    kind: ClassVar[str] = "total"
+    scope: ClassVar[Scope] = "case"
+
+    def needs(self) -> list[Square]:
+        """Return the squares."""
+        poisons = dict(self.poisons)
+        return [
+            Square(number=number, poison=poisons.get(str(number)), marks=self.marks, sleep=self.sleep)
+            for number in self.numbers
+        ]
+
+    def compute(self, load: Load) -> Numbers:
+        """Sum the squares."""
+        self._leave_mark("total")
+        return Numbers(np.sum([load(part).value for part in self.needs()], axis=0), "total", ())
 
 
-def _leave_mark(inputs: Inputs) -> None:
-    """Leave a file per start, so that a test can count starts across processes."""
-    if "marks" in inputs:
-        folder = Path(inputs["marks"])
-        (folder / f"{inputs.get('number', 'total')}-{os.getpid()}-{time.monotonic_ns()}").touch()
+def square(number: float, **more: Any) -> Unit:
+    """Return the unit of the squares around a number."""
+    return unit_of(Square(number=float(number), **more))
 
 
-def _parts(inputs: Inputs) -> list[Unit]:
-    more = {key: inputs[key] for key in ("marks", "sleep") if key in inputs}
-    poison = inputs.get("poisons", {})
-    return [
-        square(number, **more, **({"poison": poison[str(number)]} if str(number) in poison else {}))
-        for number in inputs["numbers"]
-    ]
+def total(*numbers: float, poisons: dict[str, str] | None = None, **more: Any) -> Unit:
+    """Return the unit that sums the squares of several numbers."""
+    pairs = tuple(sorted((poisons or {}).items()))
+    return unit_of(Total(numbers=tuple(sorted(map(float, numbers))), poisons=pairs, **more))
 
 
 def warm_up() -> None:
     """Nothing is compiled here."""
 
 
-KINDS = {
-    "square": Kind(
-        result=Numbers,
-        scope=lambda inputs: "ground",
-        needs=lambda inputs: [],
-        together=lambda inputs: inputs["number"] // 2,
-        compute=_squares,
-        size=lambda inputs: 24,
-        memory=lambda inputs: 24,
-    ),
-    "total": Kind(
-        result=Numbers,
-        scope=lambda inputs: "case",
-        needs=_parts,
-        together=lambda inputs: tuple(inputs["numbers"]),
-        compute=_totals,
-        size=lambda inputs: 24,
-        memory=lambda inputs: 24,
-    ),
-}
+STAGES = {stage.__name__: stage for stage in (Square, Total)}

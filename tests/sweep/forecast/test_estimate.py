@@ -10,10 +10,13 @@ import tomllib
 import pytest
 
 from railvib.errors import InputError
-from sweep import study, units
-from sweep.forecast import estimate, pilot, work
+from railvib.stages import Work
+from railvib.stages.train_integrals import ReceiverTrainIntegrals
+from sweep import study
+from sweep.forecast import estimate, pilot
 from sweep.run import prepare
 from sweep.storage import records
+from sweep.unit import work
 from sweep.workers import forks
 from tests.sweep.small import STUDY, invoke
 
@@ -47,7 +50,7 @@ def request(tmp_path, **sections):
 
 @pytest.fixture(scope="module")
 def rates():
-    units.warm_up_train_average()  # a plan tells what work takes, not what compiling on demand does
+    ReceiverTrainIntegrals.compile()  # a plan tells what work takes, not what compiling on demand does
     return pilot.rates()
 
 
@@ -98,9 +101,9 @@ def test_rates_are_remembered(rates, tmp_path, monkeypatch):
 def test_more_work_takes_longer(sections, sort, rates, tmp_path):
     def cpu(made):
         return sum(
-            rates.of(*amounts)
-            for amounts in (work.amounts(task.units) for task in made.plan.tasks.values())
-            if amounts[0] == sort
+            rates.of(amounts)
+            for amounts in (work(task.units) for task in made.plan.tasks.values())
+            if amounts.sort == sort
         )
 
     assert cpu(request(tmp_path, **sections)) > cpu(request(tmp_path))
@@ -125,13 +128,13 @@ def test_a_worker_without_work_has_its_kernels_whoever_forks_it():
         measured = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True)
         return json.loads(measured.stdout)["idle_bytes"]
 
-    assert idle("tests.sweep.toy") == pytest.approx(idle("sweep.units"), rel=0.1)
+    assert idle("tests.sweep.toy") == pytest.approx(idle("railvib.stages"), rel=0.1)
 
 
 def test_rates_are_found_from_samples():
     amounts = [{"units": 1.0, "lines": 10.0 * count} for count in (1, 3, 9)]
-    samples = [pilot._Sample(each, 0.5 + 0.02 * each["lines"], {}) for each in amounts]
-    found = pilot._rates("another", samples)
+    samples = [pilot._Sample(Work("another", each), 0.5 + 0.02 * each["lines"], {}) for each in amounts]
+    found = pilot._rates(samples)
     assert found == pytest.approx({"units": 0.5, "lines": 0.02})
 
 

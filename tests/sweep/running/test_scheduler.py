@@ -16,7 +16,7 @@ from tests.sweep import toy
 
 
 def run(directory, wanted, crew, attempt=1):
-    made = plan.make(wanted, toy.KINDS, records.present(directory))
+    made = plan.make(wanted, records.present(directory))
     place = Place(str(directory), "run-1", toy.__name__, attempt)
     task.forget()  # as another process would
     return scheduler.run(made, place, crew, lambda *_: None)
@@ -91,7 +91,7 @@ def test_of_a_result_that_came_second_nothing_is_held(tmp_path):
         patch.setattr(Place, "find", late)
         assert task.execute("square", [unit], place).computed == 0
     assert find is Place.find
-    np.testing.assert_array_equal(task.Reader(place, toy.KINDS)(unit).value, other.value)
+    np.testing.assert_array_equal(task.Reader(place)(unit).value, other.value)
 
 
 @pytest.fixture
@@ -104,7 +104,7 @@ def remembered(tmp_path, monkeypatch):
 
 
 def read(directory, unit):
-    return task.Reader(Place(str(directory), "run-1", toy.__name__), toy.KINDS)(unit).value
+    return task.Reader(Place(str(directory), "run-1", toy.__name__))(unit).value
 
 
 def test_a_record_is_read_once(tmp_path, remembered, monkeypatch):
@@ -142,7 +142,7 @@ def test_what_is_remembered_of_a_damaged_result_is_withdrawn_with_it(tmp_path, r
 def test_what_is_released_goes_first(tmp_path):
     """Results are used while those who made them hold them, and cases are done one after the other."""
     order = []
-    made = plan.make([toy.total(2 * n, 2 * n + 1) for n in range(40)], toy.KINDS, set())
+    made = plan.make([toy.total(2 * n, 2 * n + 1) for n in range(40)], set())
     place = Place(str(tmp_path), "run-1", toy.__name__)
     scheduler.run(made, place, scheduler.ThisProcess(), lambda done, *_: order.append(done.units[0].kind))
     assert order.count("total") == 40
@@ -166,7 +166,7 @@ def test_more_is_added_to_what_is_there(tmp_path, marks):
 
 def test_a_task_that_finds_its_record_computes_nothing(tmp_path, marks):
     wanted = [toy.square(1, marks=marks)]
-    made = plan.make(wanted, toy.KINDS, set())
+    made = plan.make(wanted, set())
     place = Place(str(tmp_path), "run-1", toy.__name__)
     for _ in range(2):
         scheduler.run(made, place, scheduler.ThisProcess(), lambda *_: None)

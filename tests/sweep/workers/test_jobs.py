@@ -25,7 +25,7 @@ TASKS = 8
 
 
 def run(directory, crew, wanted):
-    made = plan.make(wanted, toy.KINDS, records.listed(directory))
+    made = plan.make(wanted, records.listed(directory))
     return scheduler.run(made, Place(str(directory), "run-1", toy.__name__), crew, lambda *_: None)
 
 

@@ -7,9 +7,11 @@ import railvib
 from railvib.numerics import third_octaves
 from railvib.parameters.units import KMH
 from railvib.psd.spectra import Spectra
-from sweep import study, units
-from sweep.kinds import Unit
+from railvib.stages import STAGES, stage_of
+from sweep import cautions, study
 from sweep.storage import records, store
+from sweep.unit import unit_of
+from sweep.wanted import spectra_unit
 from tests.sweep.small import STUDY
 
 
@@ -20,7 +22,7 @@ def wanted(**sections):
         data.setdefault(name, {}).update(values)
     resolved = study.resolve(data)
     return {
-        (case.speed_kmh, approach): units.spectra_unit(resolved, case, approach)
+        (case.speed_kmh, approach): spectra_unit(resolved, case, approach)
         for case in resolved.cases()
         for approach in resolved.study.approaches.compare
     }
@@ -29,7 +31,7 @@ def wanted(**sections):
 def ids(unit, kind):
     """Return the ids of all units of a kind that a unit rests on."""
     found = {unit.id} if unit.kind == kind else set()
-    return found.union(*(ids(need, kind) for need in units.KINDS[unit.kind].needs(unit.inputs)))
+    return found.union(*(ids(need, kind) for need in unit.needs()))
 
 
 def test_stored_spectra_are_those_of_predict(computed):
@@ -97,9 +99,9 @@ def test_the_response_to_axle_loads_needs_tables_only_where_something_is_left():
     """At 30 km/h nothing is left at 100 m above 1.7 Hz, and at 8 m above 26 Hz."""
     band = {"minimum_hz": 1.25, "maximum_hz": 80}
     unit = wanted(receivers={"offsets_m": [8, 100]}, frequency=band)[30.0, "full"]
-    (still,) = [need for need in units.KINDS["spectra"].needs(unit.inputs) if need.kind == "quasi_static"]
+    (still,) = [need for need in unit.needs() if need.kind == "quasi_static"]
     found = {}
-    for need in units.KINDS["quasi_static"].needs(still.inputs):
+    for need in still.needs():
         found.setdefault(need.inputs["receiver"], set()).add(need.inputs["block"])
     assert found == {"rail": {0, 1, 2, 3}, 8.0: {0, 1, 2}, 100.0: {0}}
 
@@ -108,24 +110,21 @@ def test_a_receiver_where_nothing_is_left_needs_one_table_all_the_same():
     """At 400 m nothing is left from the lowest band on, which begins at the edge of a block."""
     band = {"minimum_hz": 12.5, "maximum_hz": 16}
     unit = wanted(receivers={"offsets_m": [400]}, frequency=band)[30.0, "full"]
-    (still,) = [need for need in units.KINDS["spectra"].needs(unit.inputs) if need.kind == "quasi_static"]
-    needs = [need for need in units.KINDS["quasi_static"].needs(still.inputs)]
+    (still,) = [need for need in unit.needs() if need.kind == "quasi_static"]
+    needs = [need for need in still.needs()]
     assert [need.inputs["block"] for need in needs if need.inputs["receiver"] == 400.0] == [2]
 
 
 def test_the_tolerance_enters_every_unit():
     one, other = wanted(), wanted(accuracy={"tolerance": 2e-3})
     for key in one:
-        for kind in units.KINDS:
+        for kind in {stage.kind for stage in STAGES.values()}:
             assert not ids(one[key], kind) & ids(other[key], kind)
 
 
 def test_scopes():
     unit = wanted()[30.0, "full"]
-    scopes = {
-        need.kind: units.KINDS[need.kind].scope(need.inputs)
-        for need in units.KINDS["spectra"].needs(unit.inputs)
-    }
+    scopes = {need.kind: need.scope for need in unit.needs()}
     assert scopes == {
         "receptance": "speed",
         "moving_transfer": "speed",
@@ -137,9 +136,9 @@ def test_scopes():
 def test_estimates_are_near_what_is_stored(computed):
     estimated = stored = 0
     for record in records.committed(computed / "out"):
-        unit = Unit.of(record["kind"], **record["inputs"])
+        unit = unit_of(stage_of(record["kind"], record["inputs"]))
         assert unit.id == record["unit_id"]
-        estimated += units.KINDS[unit.kind].size(unit.inputs)
+        estimated += unit.stage.nbytes()
         stored += sum(cost["bytes_written"] for cost in record["costs"])
     assert stored / 3.0 < estimated < 3.0 * stored
 
@@ -149,7 +148,7 @@ def test_a_train_faster_than_the_waves_is_told():
     data["sweep"]["soil"] = ["greby"]
     data["sweep"]["speed_kmh"] = [100, 600]
     data["frequency"]["maximum_hz"] = 80.0
-    found = units.cautions(study.resolve(data))
+    found = cautions.cautions(study.resolve(data))
     assert found
     for each in found:
         assert re.match("greby, ballasted-paper: .*600 km/h.*exceeds", each)

@@ -1,0 +1,145 @@
+"""Spectra of a case by moving roughness: the roughness is pulled through under a standing train."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from railvib import cost
+from railvib.forces.receptance import Receptances
+from railvib.forces.wheel_rail import AxleEquations
+from railvib.parameters.approach import Approach
+from railvib.psd.line_integrals import LineIntegrals
+from railvib.psd.moving_roughness import axle_pairs, force_products, line_means, products
+from railvib.psd.spectra import Passage, Spectra, assemble
+from railvib.psd.train_average import TrainIntegrals
+from railvib.transfer.table import Receiver
+
+LINES_AT_ONCE = 128
+"""Lines whose matrices are in memory at once: few enough to stay in the cache."""
+
+Means = dict[Receiver, dict[str, np.ndarray]]
+"""∫ |u|² dx on some lines by receiver and averaging, m³ per m² of unevenness."""
+
+
+def moving_roughness_spectra(
+    approach: Approach,
+    passage: Passage,
+    rail: Receptances,
+    quasi_static: Mapping[Receiver, np.ndarray],
+    integrals: Mapping[Receiver, LineIntegrals],
+    over_train: Mapping[Receiver, TrainIntegrals],
+) -> Spectra:
+    """Predict the spectra of a passage by one form of moving roughness.
+
+    Parameters
+    ----------
+    approach
+        Axles together (Eq. 23), by axle (Eq. 27), uncorrelated (Eq. 28), or on the FE/BE model.
+    passage
+        The train, the unevenness, the speed and the bands.
+    rail
+        The rail's standing receptances.
+    quasi_static
+        The receivers' PSDs of displacement from the axle loads on the lines, m²/Hz, (n,) each.
+    integrals
+        The receivers' line integrals at the train's axle distances.
+    over_train
+        Their integrals over the train, where the average over the train is asked for too (Eq. 26); else
+        empty.
+    """
+    force, means = _standing(approach, passage, rail, integrals, over_train)
+    displacement = {
+        receiver: {
+            averaging: mean / passage.train.length * passage.unevenness_psd
+            for averaging, mean in by_averaging.items()
+        }
+        for receiver, by_averaging in means.items()
+    }
+    return assemble(approach, passage, force, displacement, quasi_static)
+
+
+def _standing(
+    approach: Approach,
+    passage: Passage,
+    rail: Receptances,
+    integrals: Mapping[Receiver, LineIntegrals],
+    over_train: Mapping[Receiver, TrainIntegrals],
+) -> tuple[np.ndarray, Means]:
+    """Return |P|² per unit unevenness, N²/m², (lines, axles), and the means ∫ |u|² dx."""
+    train, frequency, phase = passage.train, passage.frequency, passage.phase
+    force = np.empty(phase.shape)
+    position = train.axle_positions
+    parts: list[Means] = []
+    with cost.stage("line average"):
+        distance = next(iter(integrals.values())).distance
+        on_lines = {receiver: each.at(frequency) for receiver, each in integrals.items()}
+    equations = AxleEquations(train, rail, frequency)
+    # One set of forces takes no matrices.
+    at_once = frequency.size if approach == "moving-roughness" else LINES_AT_ONCE
+    for start in range(0, frequency.size, at_once):
+        here = slice(start, start + at_once)
+        if approach == "moving-roughness-by-axle":
+            matrices = equations.matrices(here)
+            sets = matrices @ phase[here, :, None]
+            with cost.stage("line average"):
+                parts.append(
+                    _means_by_axle(position, matrices, phase[here], here, distance, on_lines, over_train)
+                )
+        else:
+            if approach == "moving-roughness-uncorrelated":  # Eq. 28: each axle's unevenness alone
+                sets = equations.matrices(here)
+            else:  # Eq. 23: one set of forces, that of all axles together
+                sets = equations.forces(here, phase[here, :, None])
+            with cost.stage("line average"):
+                parts.append(_means(position, sets, here, distance, on_lines, over_train))
+        floats = np.ascontiguousarray(sets).view(float)
+        force[here] = np.einsum("lan,lan->la", floats, floats)
+    joined = {
+        receiver: {name: np.concatenate([part[receiver][name] for part in parts]) for name in each}
+        for receiver, each in parts[0].items()
+    }
+    return force, joined
+
+
+def _means(
+    axle_position: np.ndarray,
+    sets: np.ndarray,
+    rows: slice,
+    distance: np.ndarray,
+    integrals: Mapping[Receiver, np.ndarray],
+    over_train: Mapping[Receiver, TrainIntegrals],
+) -> Means:
+    """Return ∫ |u|² dx summed over sets of forces (lines, axles, sets), each alone."""
+    here = {receiver: each[rows] for receiver, each in integrals.items()}
+    means = {
+        receiver: {"line": mean} for receiver, mean in line_means(here, distance, axle_position, sets).items()
+    }
+    if over_train:
+        product = force_products(sets)
+        for receiver, each in over_train.items():
+            means[receiver]["train"] = np.einsum("flm,flm->f", product, each.integral[rows]).real
+    return means
+
+
+def _means_by_axle(
+    axle_position: np.ndarray,
+    matrices: np.ndarray,
+    phase: np.ndarray,
+    rows: slice,
+    distance: np.ndarray,
+    integrals: Mapping[Receiver, np.ndarray],
+    over_train: Mapping[Receiver, TrainIntegrals],
+) -> Means:
+    """Return ∫ |u|² dx from the products H^p* H^q of the responses to each axle's unevenness (Eq. 27)."""
+    means: Means = {}
+    for receiver, each in integrals.items():
+        pairs = {"line": axle_pairs(each[rows], distance, axle_position)}
+        if over_train:
+            pairs["train"] = over_train[receiver].integral[rows]
+        means[receiver] = {
+            averaging: np.einsum(
+                "fpq,fp,fq->f", products(pair, matrices), phase.conj(), phase, optimize=True
+            ).real
+            for averaging, pair in pairs.items()
+        }
+    return means

@@ -1,0 +1,108 @@
+"""Stage: the spectra of a case by the full model."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.wavenumber_panels import ORDER
+from railvib.parameters.receiver import Receiver
+from railvib.psd.full_model_spectra import full_model_spectra
+from railvib.psd.moving_roughness_spectra import LINES_AT_ONCE
+from railvib.psd.spectra import Spectra, highest_excitation
+from railvib.stages.case_spectra import CaseSpectra, axle_layout
+from railvib.stages.model_stage import blocks_over
+from railvib.stages.moving_transfer import RailMovingTransfer
+from railvib.stages.receptances import RailReceptances
+from railvib.stages.stage import COMPLEX, Load, Stage, Work
+from railvib.stages.tables import LoadedFunctions, receiver_tables, tables_memory
+from railvib.stages.transfer_table import table_size
+from railvib.transfer.tabulate import largest_wavenumber
+
+_PANELS_PER_RAD_M = 3.0
+"""Of the excitation: 1 to 3 occurred, fewest on damped soil."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FullModelSpectra(CaseSpectra):
+    """Spectra by the full model: moving receptances, and the receivers' transfer functions."""
+
+    approach: Literal["full"]
+    SORT: ClassVar[str] = "full"
+
+    @property
+    def highest_excitation(self) -> float:
+        """Highest frequency of excitation that counts, Hz."""
+        largest = largest_wavenumber(self.track, self.refinement)
+        return highest_excitation(np.asarray(self.band), largest, self.speed, self.refinement)
+
+    @property
+    def _excited_blocks(self) -> tuple[int, ...]:
+        return tuple(blocks.up_to(self.highest_excitation))
+
+    @property
+    def rail(self) -> RailReceptances:
+        """The stage of the rail's receptances for loads at the train's speed."""
+        return RailReceptances(
+            speed=self.speed,
+            distances=axle_layout(self.train).distances,
+            blocks=self._excited_blocks,
+            **self.model,
+        )
+
+    def needs(self) -> list[Stage]:
+        """Return receptances, the response to the axle loads, and the receivers' tables.
+
+        The transfer function behind the receptances is among them, as a run shows it.
+        """
+        moving = RailMovingTransfer(speed=self.speed, blocks=self._excited_blocks, **self.model)
+        tables = [table for receiver in self.receivers for table in self._tables(receiver)]
+        return [self.rail, self.quasi_static, moving, *tables]
+
+    def _tables(self, receiver: Receiver) -> tuple[Stage, ...]:
+        return receiver_tables(self, receiver, blocks_over(self.band))
+
+    def compute(self, load: Load) -> Spectra:
+        """Predict the spectra."""
+        functions = LoadedFunctions(
+            {receiver: self._tables(receiver) for receiver in self.receivers}, self.track, load
+        )
+        return full_model_spectra(
+            self.passage,
+            load(self.rail),
+            self.quasi_static_psd(load),
+            functions,
+            self.highest_excitation,
+            self.tolerance,
+        )
+
+    @property
+    def _matrices_memory(self) -> int:
+        return 6 * LINES_AT_ONCE * self.train.axle_count**2 * COMPLEX
+
+    def memory(self) -> int:
+        """Estimate what the tables of receivers in memory at once and the matrices of axles take."""
+        return tables_memory(self, self.receivers, self.band) + self._matrices_memory
+
+    def memory_grows_with(self) -> str | None:
+        """Return the train where the matrices of its axles take most."""
+        return "train" if self._matrices_memory > 0.5 * self.memory() else None
+
+    def work(self) -> Work:
+        """Return the amounts of forces and of the sum over wavenumbers."""
+        axles, lines = self.train.axle_count, float(self.passage.frequency.size)
+        # Forces are needed at some panels of nodes per rad/m.
+        largest = 2.0 * math.pi * self.highest_excitation / self.speed
+        excitations = float(math.ceil(_PANELS_PER_RAD_M * largest) * ORDER)
+        block = max(blocks_over(self.band))
+        nodes = sum(table_size(self.ground, block, receiver)[1] for receiver in self.receivers)
+        amounts = {
+            "units": 1.0,
+            "pairs": excitations * axles**2,
+            "matrices": excitations * axles**3,
+            "turned": lines * excitations * axles,
+            "values": lines * nodes,
+        }
+        return Work(self.SORT, amounts, {"passage": ("turned", "values")})

@@ -1,0 +1,88 @@
+"""Stage: one receiver's integrals along the line, which moving roughness averages over."""
+
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+from railvib.parameters.receiver import RAIL
+from railvib.psd.full_model import RECEIVERS_AT_ONCE
+from railvib.psd.line_integrals import LineIntegrals, line_integrals
+from railvib.stages.model_stage import AnyReceiver, ModelStage
+from railvib.stages.stage import FLOAT, Load, Stage, Work
+from railvib.stages.tables import receiver_tables, transfer_function
+from railvib.stages.transfer_table import table_size
+from railvib.transfer.tabulate import distance_class
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReceiverLineIntegrals(ModelStage):
+    """Integrals M(d, f) of one receiver over some blocks.
+
+    Attributes
+    ----------
+    receiver
+        The receiver.
+    distances
+        Distances between axles, m, ascending from 0.
+    blocks
+        Indices of the blocks, ascending without a gap.
+    """
+
+    receiver: AnyReceiver
+    distances: tuple[float, ...]
+    blocks: tuple[int, ...]
+    kind: ClassVar[str] = "line_integrals"
+    result: ClassVar[type] = LineIntegrals
+    at_once: ClassVar[int | None] = RECEIVERS_AT_ONCE
+    grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "offsets_m")
+
+    def together(self) -> Hashable:
+        """Return the same integrals of the rail: receivers of a class share their nodes."""
+        return replace(self, receiver=RAIL)
+
+    def label(self) -> str:
+        """Return the receiver's label."""
+        return self.receiver.label
+
+    def needs(self) -> tuple[Stage, ...]:
+        """Return the receiver's tables."""
+        return receiver_tables(self, self.receiver, range(self.blocks[0], self.blocks[-1] + 1))
+
+    def compute(self, load: Load) -> LineIntegrals:
+        """Integrate."""
+        return next(results[self] for results in self.compute_together([self], load))
+
+    @classmethod
+    def compute_together(cls, stages: Sequence[Self], load: Load) -> Iterator[Mapping[Self, LineIntegrals]]:
+        """Integrate receivers, those of one class of distances together."""
+        first = stages[0]
+        classes: dict[float, list[Self]] = {}
+        for stage in stages:
+            classes.setdefault(distance_class(stage.receiver.key), []).append(stage)
+        for members in classes.values():
+            for start in range(0, len(members), RECEIVERS_AT_ONCE):
+                batch = {stage.receiver.key: stage for stage in members[start : start + RECEIVERS_AT_ONCE]}
+                functions = {
+                    key: transfer_function(stage.needs(), stage.track, load) for key, stage in batch.items()
+                }
+                integrals = line_integrals(
+                    functions, first.distances, first.blocks, first.tolerance, first.refinement
+                )
+                yield {batch[key]: integral for key, integral in integrals.items()}
+
+    def _sizes(self) -> list[tuple[int, float]]:
+        return [table_size(self.ground, block, self.receiver) for block in self.blocks]
+
+    def nbytes(self) -> int:
+        """Estimate the table: frequencies by distances."""
+        return sum(rows for rows, _ in self._sizes()) * len(self.distances) * FLOAT
+
+    def memory(self) -> int:
+        """Estimate what integrating takes, with the tables that are read."""
+        return 2 * sum(table.nbytes() for table in self.needs()) + 4 * self.nbytes()
+
+    def work(self) -> Work:
+        """Return values of the tables, and values times distances."""
+        values = sum(rows * nodes for rows, nodes in self._sizes())
+        amounts = {"units": 1.0, "values": values, "values of axles": values * len(self.distances)}
+        return Work(self.kind, amounts)

@@ -1,0 +1,145 @@
+"""Stage: the transfer function of one receiver over one block of frequencies."""
+
+import math
+import warnings
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, ClassVar, Self
+
+from railvib.errors import AccuracyWarning
+from railvib.numerics import frequency_blocks as blocks
+from railvib.parameters.ground import Ground
+from railvib.parameters.receiver import RAIL, Receiver
+from railvib.stages.model_stage import AnyReceiver, ModelStage
+from railvib.stages.stage import COMPLEX, FLOAT, Load, Work
+from railvib.transfer.table import TransferBlock
+from railvib.transfer.tabulate import MOST_LEVELS, VALUES_AT_ONCE, transfer_blocks_by_class
+
+_SURVIVING = 8.0
+"""Wavelengths times loss factor after which tables grow no more with distance: e^{−8π} is left of a wave."""
+_CHECKS = 5
+"""Places between the frequencies of each level at which a table is checked."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TransferTable(ModelStage):
+    """Table of a receiver's transfer function by the semi-analytical model.
+
+    Attributes
+    ----------
+    receiver
+        The receiver.
+    block
+        Index of the block, see `railvib.numerics.frequency_blocks`.
+    """
+
+    receiver: AnyReceiver
+    block: int
+    kind: ClassVar[str] = "transfer"
+    result: ClassVar[type] = TransferBlock
+    at_once: ClassVar[int | None] = VALUES_AT_ONCE
+    grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "offsets_m")
+
+    def together(self) -> Hashable:
+        """Return the same table of the rail: receivers of a block share the fits of the ground."""
+        return replace(self, receiver=RAIL)
+
+    def label(self) -> str | None:
+        """Return the receiver's label; the rail is stored alone."""
+        return None if self.receiver.on_rail else self.receiver.label
+
+    def compute(self, load: Load) -> TransferBlock:
+        """Tabulate it."""
+        return next(results[self] for results in self.compute_together([self], load))
+
+    @classmethod
+    def compute_together(cls, stages: Sequence[Self], load: Load) -> Iterator[Mapping[Self, TransferBlock]]:
+        """Tabulate the receivers of a block class by class."""
+        first = stages[0]
+        by_key = {stage.receiver.key: stage for stage in stages}
+        for tables in transfer_blocks_by_class(
+            first.ground,
+            first.track,
+            first.block,
+            by_key,
+            first.tolerance,
+            first.refinement,
+            first.evaluation(),
+        ):
+            for table in tables.values():
+                shortfall = table.shortfall(first.tolerance)
+                if shortfall:
+                    warnings.warn(shortfall, AccuracyWarning, stacklevel=2)
+            yield {by_key[key]: table for key, table in tables.items()}
+
+    def evaluation(self) -> Any:
+        """Return what evaluates the transfer functions; None for the semi-analytical model."""
+        return None
+
+    def nbytes(self) -> int:
+        """Estimate the table: frequencies by nodes."""
+        rows, nodes = table_size(self.ground, self.block, self.receiver)
+        return int(rows * nodes * (COMPLEX + FLOAT))
+
+    def memory(self) -> int:
+        """Estimate what tabulating takes."""
+        return 4 * self.nbytes()
+
+    def work(self) -> Work:
+        """Return fits, shared by the receivers of a task, and values of the receivers' functions."""
+        return self.work_together([self])
+
+    @classmethod
+    def work_together(cls, stages: Sequence[Self]) -> Work:
+        """Return the amounts of work of a block's receivers."""
+        ground = stages[0].ground
+        sizes = [table_size(ground, stage.block, stage.receiver) for stage in stages]
+        values = sum(rows * nodes for rows, nodes in sizes)
+        fits = 1.0 if len(ground.layers) == 1 else max(rows for rows, _ in sizes) + _CHECKS
+        amounts = {
+            "tasks": 1.0,
+            "fits": fits,
+            "fits of layers": fits * len(ground.layers),
+            "receivers": float(len(stages)),
+            "values": values,
+            "values of layers": values * len(ground.layers),
+        }
+        by_cost = {"fit": ("fits", "fits of layers"), "transfer functions": ("values", "values of layers")}
+        return Work(cls.kind, amounts, by_cost)
+
+
+def table_size(
+    ground: Ground, block: int, receiver: Receiver, waves_followed: float = 4.0
+) -> tuple[int, float]:
+    """Estimate how many frequencies and nodes the table of a receiver has.
+
+    Parameters
+    ----------
+    ground
+        The ground.
+    block
+        Index of the block.
+    receiver
+        The receiver.
+    waves_followed
+        Number of wavelengths between track and receiver that the coarsest level of frequencies follows.
+    """
+    waves = _waves_between(ground, block, receiver)
+    level = min(max(math.ceil(math.log2(max(waves, 1.0) / waves_followed)), 0), MOST_LEVELS)
+    return int(blocks.indices(block, level).size), 400.0 + 10.0 * waves
+
+
+def _waves_between(ground: Ground, block: int, receiver: Receiver) -> float:
+    """Return how many wavelengths lie between track and receiver at a block's highest frequency, at most.
+
+    No more than leave something of a wave in the layer that damps least.
+    """
+    slowest, surviving = _slowest_and_surviving(ground)
+    return min((receiver.offset or 0.0) * float(blocks.edges(block)[1]) / slowest, surviving)
+
+
+@lru_cache(256)
+def _slowest_and_surviving(ground: Ground) -> tuple[float, float]:
+    """Return the speed of a ground's slowest wave, and the wavelengths after which nothing is left of it."""
+    return ground.slowest_speed, _SURVIVING / max(min(layer.loss_factor for layer in ground.layers), 1e-3)
