@@ -255,8 +255,8 @@ def _double(made: Any) -> Callable[[np.int64], float]:
     return lambda bits: float(np.int64(bits).view(np.float64))
 
 
-_BITS = {"_bits": _bits, "_double": _double}
-"""The functions of `railvib.numerics.vector_math` that only the compiler knows."""
+_BITS = {"bits": _bits, "double": _double}
+"""Stand-ins for the functions of `railvib.numerics.intrinsics` that have no Python source."""
 
 
 def _is_complex(number: Any) -> bool:

@@ -14,8 +14,9 @@ e^{−κ|y|}/(2κ) across the track, and its integrals over strips are elementar
 The quadratic is integrated apart, and Φ by its series where x is small, so that nothing cancels.
 """
 
-import numba
 import numpy as np
+
+from railvib.numerics.jit import inline, kernel
 
 EXPONENT = 60.0
 """Exponents beyond this leave nothing."""
@@ -29,7 +30,7 @@ def graded(half_width: float, elements: int) -> np.ndarray:
     return np.asarray(half_width * (1.0 - (1.0 - np.arange(elements + 1) / elements) ** GRADING))
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@inline
 def _even(x, k, decayed):
     """Return Φ without its quadratic for x = κ|y|, k = κ, given e^{−x}."""
     if abs(x) > _SERIES:
@@ -39,7 +40,7 @@ def _even(x, k, decayed):
     return -x * x * x / 12.0 * s / (k * k * k)
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@inline
 def _odd(x, k, decayed):
     """Return Φ' without its linear term for x = κy, y ≥ 0, given e^{−x}."""
     if abs(x) > _SERIES:
@@ -49,7 +50,7 @@ def _odd(x, k, decayed):
     return -0.25 * x * x * s / (k * k)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def strip_flexibility(beta, pole, residue, constant, edge):
     """Return the average displacements of strips per force on strips, complex (n, 3m, 3m) [m²/N].
 
@@ -155,12 +156,12 @@ def strip_flexibility(beta, pole, residue, constant, edge):
     return flexibility
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _decay(k, y):
     return np.exp(-k * y) if k.real * y < EXPONENT else 0j
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def receiver_flexibility(beta, pole, residue, constant, edge, offset):
     """Return the vertical displacements of receivers per force on strips, complex (n, receivers, 3m) [m²/N].
 
@@ -186,7 +187,7 @@ def receiver_flexibility(beta, pole, residue, constant, edge, offset):
     return out
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _add_receiver(row, y, edge, k, beta, residue):
     """Add one pole's share of u_z at y per f_x, f_y, f_z on every strip and its image."""
     n = edge.shape[0] - 1

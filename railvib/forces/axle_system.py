@@ -6,20 +6,19 @@ Frequencies are taken some at a time, side by side in vector registers, through 
 rows in their order. Receptances that dissipate allow that; whether it was allowed is told for each frequency.
 """
 
-import numba
 import numpy as np
-from llvmlite import ir
-from numba.core import types
-from numba.extending import intrinsic
 
+from railvib.numerics.intrinsics import row_subtraction
+from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import reciprocal
 from railvib.parameters.vehicle import AXLES, SHAPES
 
 _LANES = 32
 """Frequencies side by side: the matrices of a train of sixteen axles then stay near the core."""
+_subtract_row = row_subtraction(_LANES)
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def solve(receptance, column, flexibility, kind, contact, unevenness, forces):
     """Write the forces, and return by how much numbers grew in the elimination.
 
@@ -91,7 +90,7 @@ def solve(receptance, column, flexibility, kind, contact, unevenness, forces):
                     factor[1, w] = each.imag
                     largest[1, w] = max(largest[1, w], each.real * each.real + each.imag * each.imag)
                 for j in range(k + 1, width):
-                    _subtract(real, imag, i * width + j, k * width + j, factor)
+                    _subtract_row(real, imag, i * width + j, k * width + j, factor)
             for j in range(k, width):
                 for w in range(_LANES):
                     size = real[k, j, w] * real[k, j, w] + imag[k, j, w] * imag[k, j, w]
@@ -107,7 +106,7 @@ def solve(receptance, column, flexibility, kind, contact, unevenness, forces):
                     factor[0, w] = real[i, k, w]
                     factor[1, w] = imag[i, k, w]
                 for j in range(axles, width):
-                    _subtract(real, imag, i * width + j, k * width + j, factor)
+                    _subtract_row(real, imag, i * width + j, k * width + j, factor)
         for w in range(count):
             for i in range(axles):
                 for j in range(sets):
@@ -115,7 +114,7 @@ def solve(receptance, column, flexibility, kind, contact, unevenness, forces):
     return growth
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _set_up(rail, column, chains, kind, contact, real, imag):
     """Write the matrices side by side."""
     axles = column.shape[0]
@@ -135,7 +134,7 @@ def _set_up(rail, column, chains, kind, contact, real, imag):
                         imag[i, j, w] += share * chains[1, own, chain, w]
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _largest(axles, real, imag, largest):
     """Write the largest squared entries of the matrices."""
     for w in range(_LANES):
@@ -145,36 +144,3 @@ def _largest(axles, real, imag, largest):
             for w in range(_LANES):
                 size = real[i, j, w] * real[i, j, w] + imag[i, j, w] * imag[i, j, w]
                 largest[w] = max(largest[w], size)
-
-
-@intrinsic
-def _subtract(typingctx, real, imag, target, source, factor):
-    """Subtract a factor times the numbers at one place from those at another, complex, lane by lane.
-
-    `real` and `imag` are counted in places of `LANES` numbers; `factor` is (2, LANES). In vector registers at
-    once: a compiler that cannot know that the places differ would look again and again.
-    """
-
-    def codegen(context, builder, signature, args):
-        vector = ir.VectorType(ir.DoubleType(), _LANES)
-
-        def place(which, number):
-            data = context.make_array(signature.args[which])(context, builder, args[which]).data
-            return builder.gep(builder.bitcast(data, vector.as_pointer()), [number])
-
-        def load(which, number):
-            return builder.load(place(which, number), align=8)
-
-        def multiply_add(one, other, added):
-            product = builder.fmul(one, other, flags=("contract",))
-            return builder.fadd(product, added, flags=("contract",))
-
-        a, b = (load(4, ir.Constant(ir.IntType(64), part)) for part in (0, 1))
-        less_a, less_b = builder.fneg(a), builder.fneg(b)
-        x, y = load(0, args[3]), load(1, args[3])
-        for which, own in ((0, (less_a, b)), (1, (less_b, less_a))):
-            sum_ = multiply_add(own[0], x, load(which, args[2]))
-            builder.store(multiply_add(own[1], y, sum_), place(which, args[2]), align=8)
-        return context.get_dummy_value()
-
-    return types.none(real, imag, types.int64, types.int64, factor), codegen

@@ -9,10 +9,10 @@ response is halved. Beyond the tables the rail on its pads carries the load alon
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.jit import kernel
 from railvib.numerics.wavenumber_panels import NODE, ORDER, fourier_integrals, unresolved
 from railvib.parameters.track import Track
 from railvib.transfer.table import TransferFunction
@@ -179,7 +179,7 @@ def _within(value: np.ndarray, limit: float) -> np.ndarray:
     return np.where(np.abs(value) < limit, value, np.inf)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _per_frequency(first, order, centre, half, value, distance, cosine, sine):
     """Add the cosine and sine integrals of every frequency's panels, (frequencies, 2, distances) each.
 

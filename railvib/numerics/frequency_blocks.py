@@ -9,8 +9,9 @@ edges or its frequencies, so blocks are shared.
 from collections.abc import Iterable
 from functools import lru_cache
 
-import numba
 import numpy as np
+
+from railvib.numerics.jit import fused_kernel
 
 PER_DECADE = 2
 STEPS = 25
@@ -89,7 +90,7 @@ def _stencils_at(block: int, level: int, frequency: bytes) -> tuple[np.ndarray, 
     return first, weight
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _stencils(at, rows, first, weight):
     """Write the nearest rows of places among them, and their weights."""
     for i in range(at.shape[0]):
@@ -122,14 +123,14 @@ def combined(
     return out
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _combined(first, weight, table, out):
     """Write the weighted sums of neighbouring rows."""
     for i in range(first.shape[0]):
         combine(first[i], weight[i], table, out[i])
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def combine(first, weight, table, out):
     """Write a weighted sum of neighbouring rows, as many columns as there is room for."""
     for j in range(out.shape[0]):

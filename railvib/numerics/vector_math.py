@@ -7,11 +7,10 @@ calls them runs in vector registers. A caller must not allow the compiler to rea
 integer rests on adding and subtracting a large number.
 """
 
-import numba
 import numpy as np
-from llvmlite import ir
-from numba.core import types
-from numba.extending import intrinsic
+
+from railvib.numerics.intrinsics import bits, double
+from railvib.numerics.jit import fused_kernel, inline
 
 MAGIC = 6755399441055744.0  # 1.5·2^52: adding it leaves the nearest integer in the low bits of the sum
 LOG2E = 1.4426950408889634
@@ -28,27 +27,7 @@ LANES = 64
 """Values that go through a longer recursion together, so that its innermost loops fill vector registers."""
 
 
-@intrinsic
-def _bits(typingctx, value):
-    """Return the bits of a double as an integer."""
-
-    def codegen(context, builder, signature, args):
-        return builder.bitcast(args[0], ir.IntType(64))
-
-    return types.int64(types.float64), codegen
-
-
-@intrinsic
-def _double(typingctx, value):
-    """Return the double that has these bits."""
-
-    def codegen(context, builder, signature, args):
-        return builder.bitcast(args[0], ir.DoubleType())
-
-    return types.float64(types.int64), codegen
-
-
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def exp(x):
     """Return e^x for −700 < x < 700."""
     t = x * LOG2E + MAGIC
@@ -68,17 +47,17 @@ def exp(x):
     p = p * r + 0.5
     p = p * r + 1.0
     p = p * r + 1.0
-    return p * _double((_bits(t) << np.int64(52)) + np.int64(ONE_BITS))
+    return p * double((bits(t) << np.int64(52)) + np.int64(ONE_BITS))
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def log(x):
     """Return ln x of a normal x > 0."""
-    bits = _bits(x)
+    pattern = bits(x)
     # The exponent that leaves a factor between √½ and √2, by the bits of √½; then ln m = 2 artanh s.
-    up = (bits - np.int64(ROOT_HALF_BITS)) >> np.int64(52)
-    m = _double(bits - (up << np.int64(52)))
-    n = _double(up + np.int64(MAGIC_BITS)) - MAGIC
+    up = (pattern - np.int64(ROOT_HALF_BITS)) >> np.int64(52)
+    m = double(pattern - (up << np.int64(52)))
+    n = double(up + np.int64(MAGIC_BITS)) - MAGIC
     s = (m - 1.0) / (m + 1.0)
     z = s * s
     p = 1.0 / 21.0
@@ -94,12 +73,12 @@ def log(x):
     return n * LN2_HIGH + (n * LN2_LOW + 2.0 * (s + s * z * p))
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def cos_sin(x):
     """Return (cos x, sin x) for abs(x) < 1e6."""
     t = x * TWO_OVER_PI + MAGIC
     n = t - MAGIC
-    q = _bits(t)
+    q = bits(t)
     r = ((x - n * HALF_PI_1) - n * HALF_PI_2) - n * HALF_PI_3
     z = r * r
     s = 1.58962301576546568060e-10
@@ -120,12 +99,12 @@ def cos_sin(x):
     cosine = s if odd else c
     sine = c if odd else s
     # The signs of cosine and sine follow from the quadrant, moved into the sign bits.
-    cosine = _double(_bits(cosine) ^ (((q + np.int64(1)) & np.int64(2)) << np.int64(62)))
-    sine = _double(_bits(sine) ^ ((q & np.int64(2)) << np.int64(62)))
+    cosine = double(bits(cosine) ^ (((q + np.int64(1)) & np.int64(2)) << np.int64(62)))
+    sine = double(bits(sine) ^ ((q & np.int64(2)) << np.int64(62)))
     return cosine, sine
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def power_turned(x, y):
     """Return real and imaginary part of 2^x·e^{iπy} for x < 1000, abs(y) < 1e6; x is cut at −1000.
 
@@ -146,24 +125,24 @@ def power_turned(x, y):
     d = s * (((0.05638996615262831 * z - 8.56989178527574) * z + 158.79865238563065) * z - 501.6954412400925)
     size = (a + b) / ((a - b) * (c * c + d * d))
     # The power goes into the exponent; an odd number of half turns moves into the sign bit.
-    size = _double(_bits(size) + (_bits(n) << np.int64(52)) + (_bits(m) << np.int64(63)))
+    size = double(bits(size) + (bits(n) << np.int64(52)) + (bits(m) << np.int64(63)))
     return size * (c * c - d * d), size * ((c + c) * d)
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def rough_log2(x):
     """Return log2 of a normal x > 0, or up to 0.09 less: straight lines between powers of two."""
-    return float(_bits(x)) * 2.0**-52 - 1023.0
+    return float(bits(x)) * 2.0**-52 - 1023.0
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def reciprocal(z):
     """Return 1/z of a complex z without the branches of a general division; |z|² must not overflow."""
     scale = 1.0 / (z.real * z.real + z.imag * z.imag)
     return complex(z.real * scale, -z.imag * scale)
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def root(z):
     """Return the square root of a complex z with a real part that is not negative."""
     size = np.sqrt(z.real * z.real + z.imag * z.imag)
@@ -181,7 +160,7 @@ def turned(angle: np.ndarray) -> np.ndarray:
     return value.view(complex)[..., 0]
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _turned(angle, value):
     """Write cosine and sine in turn."""
     for i in range(angle.shape[0]):

@@ -5,11 +5,11 @@ e^{iβd} dβ are sums over the nodes where few oscillations fit into the panel, 
 spherical Bessel functions where many do (Filon): ∫ P_n(t) e^{iθt} dt = 2 iⁿ j_n(θ).
 """
 
-import numba
 import numpy as np
 from numpy.polynomial import legendre
 
 from railvib.numerics.frequency_blocks import STENCIL
+from railvib.numerics.jit import fused_kernel, inline
 from railvib.numerics.vector_math import cos_sin
 
 ORDER = 12
@@ -47,7 +47,7 @@ def unresolved(value: np.ndarray) -> np.ndarray:
     return np.asarray(np.abs(last).max(axis=-1))
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def count_below(ascending, limit):
     """Return how many of ascending values are below a limit."""
     low = 0
@@ -61,7 +61,7 @@ def count_below(ascending, limit):
     return low
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def fourier_integrals(centre, half, value, distance, cosine, sine):
     """Add ∫ f cos(βd) dβ and ∫ f sin(βd) dβ over panels to `cosine` and `sine`.
 
@@ -130,14 +130,14 @@ def fourier_integrals(centre, half, value, distance, cosine, sine):
                 sine[q, k] += s[k] * even[k] + c[k] * odd[k]
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _cosines_and_sines(beta, distance, cosine, sine):
     """Write cos(βd) and sin(βd)."""
     for k in range(distance.shape[0]):
         cosine[k], sine[k] = cos_sin(beta * distance[k])
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _spherical_bessel(h, distance, out):
     """Write j_0(hd) … j_{order−1}(hd), hd ≥ 8, where the upward recurrence is stable for these orders."""
     for k in range(distance.shape[0]):
@@ -154,7 +154,7 @@ def _spherical_bessel(h, distance, out):
             j = above
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def panel_weights(count, x, weight, room):
     """Write the weights of a panel's nodes for interpolation at `count` places x in [−1, 1].
 
@@ -178,13 +178,13 @@ _OVER_DIFFERENCES = np.array(
 )
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def stencil_weights(count, t, weight, room):
     """Write the weights of equidistant points 0, 1, … for interpolation at places t, as `panel_weights`."""
     _lagrange_products(count, t, _EQUIDISTANT, _OVER_DIFFERENCES, weight, room)
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _lagrange_products(count, x, node, factor, weight, product):
     """Write Lagrange's weights: without a division, and exact on the nodes."""
     nodes = node.shape[0]
@@ -202,7 +202,7 @@ def _lagrange_products(count, x, node, factor, weight, product):
             product[i] *= x[i] - node[k]
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def lagrange_weights(t, weight):
     """Write the weights of eight equidistant points 0 … 7 for interpolation at t."""
     a0 = t

@@ -5,12 +5,10 @@ polynomial on panels of its own, in |β| = |κ + shift|; both kinds of panels cu
 which has a few Gauss–Legendre nodes, one for each number in a vector register.
 """
 
-import numba
 import numpy as np
-from llvmlite import ir
-from numba.core import types
-from numba.extending import intrinsic
 
+from railvib.numerics.intrinsics import square_moments
+from railvib.numerics.jit import fused_kernel, inline, reduction_kernel
 from railvib.numerics.wavenumber_panels import ORDER
 
 _NODES = 8
@@ -18,9 +16,10 @@ _NODE, _WEIGHT = np.polynomial.legendre.leggauss(_NODES)
 """Nodes of a part: fewer than a panel's, as parts are small against one of their two panels."""
 _LONGEST_PART = 1.25
 """Sum of a part's shares in its panels of κ and β up to which these nodes resolve what is integrated."""
+_add_square_moments = square_moments(ORDER, _NODE.tolist(), _WEIGHT.tolist())
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest, out):
     """Write the moments of panels that are wanted, (lines, panels, order).
 
@@ -94,11 +93,11 @@ def moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest, out):
                         # At −β the q_l are conjugate.
                         -1.0 if backward else 1.0,
                     )
-                    _add_part(parts, rows[i] * terms + b * ORDER, plane, place, sums)
+                    _add_square_moments(parts, rows[i] * terms + b * ORDER, plane, place, sums)
             _sum_nodes(sums, out[i, p])
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+@reduction_kernel
 def _sum_nodes(sums, out):
     """Write the sums over nodes."""
     for n in range(ORDER):
@@ -108,66 +107,7 @@ def _sum_nodes(sums, out):
         out[n] = total
 
 
-@intrinsic
-def _add_part(typingctx, parts, start, plane, place, sums):
-    """Add |A|² at a part's nodes, times weights and powers of x, to sums (order, nodes).
-
-    The four parts of A, of the phases' and of the q_l's real and imaginary parts, begin at `start` and are
-    `plane` numbers apart. All stays in vector registers, which no compiler finds by itself for so much.
-    """
-
-    def codegen(context, builder, signature, args):
-        double, number = ir.DoubleType(), ir.IntType(64)
-        vector = ir.VectorType(double, _NODES)
-        nowhere = ir.Constant(vector, ir.Undefined)
-        first = ir.Constant(ir.VectorType(ir.IntType(32), _NODES), [0] * _NODES)
-        series = context.make_array(signature.args[0])(context, builder, args[0]).data
-        totals = context.make_array(signature.args[4])(context, builder, args[4]).data
-
-        def everywhere(value):
-            lone = builder.insert_element(nowhere, value, ir.Constant(ir.IntType(32), 0))
-            return builder.shuffle_vector(lone, nowhere, first)
-
-        def multiply_add(one, other, added):
-            product = builder.fmul(one, other, flags=("contract",))
-            return builder.fadd(product, added, flags=("contract",))
-
-        given = [everywhere(builder.extract_value(args[3], k)) for k in range(6)]
-        sign = given[5]
-        minus = builder.fneg(sign)
-        planes = [args[1]]
-        for _ in range(3):
-            planes.append(builder.add(planes[-1], args[2]))
-        starts = [builder.gep(series, [each]) for each in planes]
-
-        def term(which, n):
-            return everywhere(builder.load(builder.gep(starts[which], [ir.Constant(number, n)])))
-
-        def amplitude(n):
-            # Real times real less imaginary times imaginary, and the rest, whose sign may be either.
-            real = multiply_add(minus, term(3, n), term(0, n))
-            return real, multiply_add(sign, term(2, n), term(1, n))
-
-        node = ir.Constant(vector, _NODE.tolist())
-        x = multiply_add(given[1], node, given[0])
-        real, imag = amplitude(ORDER - 1)
-        for n in range(ORDER - 2, -1, -1):
-            own = amplitude(n)
-            real, imag = multiply_add(real, x, own[0]), multiply_add(imag, x, own[1])
-        square = multiply_add(real, real, builder.fmul(imag, imag))
-        each = builder.fmul(square, builder.fmul(given[4], ir.Constant(vector, _WEIGHT.tolist())))
-        x = multiply_add(given[3], node, given[2])
-        for n in range(ORDER):
-            place = builder.gep(totals, [ir.Constant(number, n * _NODES)])
-            place = builder.bitcast(place, vector.as_pointer())
-            builder.store(builder.fadd(builder.load(place, align=8), each), place, align=8)
-            each = builder.fmul(each, x)
-        return context.get_dummy_value()
-
-    return types.none(parts, types.int64, types.int64, place, sums), codegen
-
-
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _excited_panel(edge, kappa, side, shift, tiny, below):
     """Return on which panel of |β| the part begins that starts at |κ|, if β < 0 there, and where it ends.
 
@@ -184,7 +124,7 @@ def _excited_panel(edge, kappa, side, shift, tiny, below):
     return n - 1, True, (edge[n] + shift if n < edge.shape[0] else np.inf), n
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _count_below(edge, limit, guess):
     """Return how many ascending edges are below a limit, from a guess."""
     n = guess

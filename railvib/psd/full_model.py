@@ -16,13 +16,13 @@ nodes. The weights follow from the excitation alone: receivers whose tables shar
 
 from collections.abc import Collection, Mapping
 
-import numba
 import numpy as np
 
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import threads
 from railvib.numerics.frequency_blocks import combine
+from railvib.numerics.jit import reduction_kernel
 from railvib.numerics.vector_math import turned
 from railvib.numerics.wavenumber_panels import FROM_POWERS, ORDER
 from railvib.psd.excitation import Excitation
@@ -167,7 +167,7 @@ def _turn(receiver: Receiver) -> tuple[float, float]:
     return -distance_class(receiver), -1.0 if receiver == "rail" else float(receiver)
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+@reduction_kernel
 def _sums(first, stencil, value, panels, weight):
     """Return the weighted sums over the nodes of needed panels of rows interpolated to lines, (lines,)."""
     out = np.empty(first.shape[0])

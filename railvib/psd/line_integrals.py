@@ -10,12 +10,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.jit import inline, kernel
 from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals
 from railvib.transfer.intensity import same_nodes, squared, squared_at
 from railvib.transfer.table import Receiver, TransferFunction
@@ -228,7 +228,7 @@ def _integrals(edge: np.ndarray, value: np.ndarray, distance: np.ndarray) -> np.
     return found.swapaxes(0, 1) / np.pi
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _cosine_integrals(edge, value, distance, out, sine):
     """Add ∫ |H̃|² cos(βd) dβ over all panels with something in them to `out` (lines, receivers, distances).
 
@@ -259,7 +259,7 @@ def _cosine_integrals(edge, value, distance, out, sine):
         fourier_integrals(centre[:kept], half[:kept], kept_value, distance, out[i], sine)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _mark_panels(edge, value, needed):
     """Mark the panels with more than a negligible share of one receiver's ∫ |H̃|² dβ."""
     total = 0.0
@@ -269,7 +269,7 @@ def _mark_panels(edge, value, needed):
         needed[p] = _most(edge, value, p) > _NEGLIGIBLE * total
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _most(edge, value, p):
     """Return an upper bound of ∫ |H̃|² dβ over a panel."""
     most = 0.0

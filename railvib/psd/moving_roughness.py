@@ -10,9 +10,9 @@ forms of the approach.
 
 from collections.abc import Mapping
 
-import numba
 import numpy as np
 
+from railvib.numerics.jit import reduction_kernel
 from railvib.transfer.table import Receiver
 
 
@@ -99,7 +99,7 @@ def line_means(
     }
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+@reduction_kernel
 def _by_distance(force, column, out):
     """Add Σ_s Re P_ls* P_ms over the axles l and m at each distance to `out` (lines, distances).
 

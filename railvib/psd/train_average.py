@@ -9,11 +9,11 @@ interpolated.
 
 from dataclasses import dataclass, field
 
-import numba
 import numpy as np
 
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.jit import kernel
 from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals, lagrange_weights
 from railvib.transfer.table import TransferFunction
 
@@ -91,7 +91,7 @@ def _points(axle_position: np.ndarray, wavelength: float) -> tuple[np.ndarray, n
     return np.concatenate(points), np.concatenate(weights)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _products(edge, transfer, grid, at, weight):
     """Return Σ_x w H*(x − α_l) H(x − α_m), (lines, axles, axles); `at` is |x − α| in steps of the grid."""
     lines = edge.shape[0]

@@ -10,16 +10,16 @@ and the like, so that nothing is subtracted; it propagates with a triangular 2 �
 exponentials. See docs/theory/ground.md.
 """
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from railvib.errors import InputError
+from railvib.numerics.jit import fused_kernel, inline, kernel
 from railvib.numerics.vector_math import LANES, cos_sin, exp, reciprocal, root
 from railvib.parameters.ground import Ground
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _decay(k, h):
     """Return e^{−kh}, Re k ≥ 0."""
     size = exp(-min(k.real * h, 350.0))
@@ -27,7 +27,7 @@ def _decay(k, h):
     return complex(size * c, -size * s)
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _waves(r, e, m, ks2):
     """Return p, s and the downgoing basis of waves P and (P − SV)/k_s²: u_x, u_z, τ_xz, σ_zz of each."""
     r2 = r * r
@@ -40,7 +40,7 @@ def _waves(r, e, m, ks2):
     return p, s, one, two
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _quotient(u11, u12, u21, u22, t11, t12, t21, t22):
     """Return the matrix U T⁻¹."""
     d = reciprocal(t11 * t22 - t12 * t21)
@@ -52,14 +52,14 @@ def _quotient(u11, u12, u21, u22, t11, t12, t21, t22):
     )
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _half_space(r, e, m, ks2):
     """Return the flexibility of a half-space's surface."""
     _p, _s, (ux1, uz1, tx1, tz1), (ux2, uz2, tx2, tz2) = _waves(r, e, m, ks2)
     return _quotient(ux1, ux2, uz1, uz2, tx1, tx2, tz1, tz2)
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _propagator_coupling(p, s, e, h, ep, es):
     """Return (e^{−ph} − e^{−sh})/k_s², given both decays, without subtracting equals."""
     t = (p - s) * h
@@ -74,7 +74,7 @@ def _propagator_coupling(p, s, e, h, ep, es):
     return quotient * (h * (1.0 - e) * reciprocal(p + s))
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _layer(q11, q12, q21, q22, r, e, m, ks2, h):
     """Return the flexibility at a layer's top from that at its bottom."""
     p, s, (ux1, uz1, tx1, tz1), (ux2, uz2, tx2, tz2) = _waves(r, e, m, ks2)
@@ -118,7 +118,7 @@ def _layer(q11, q12, q21, q22, r, e, m, ks2, h):
     )
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _material(stack, layer, omega):
     """Return e, m, k_s² and h of a layer."""
     cs = stack[layer, 0]
@@ -127,7 +127,7 @@ def _material(stack, layer, omega):
     return e, stack[layer, 2] * cs * cs * loss, omega * omega / (cs * cs * loss), stack[layer, 4]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def psv_flexibility(r, omega, stack, rigid):
     """Return q11, q12, q21, q22 of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa].
 
@@ -148,13 +148,13 @@ def psv_flexibility(r, omega, stack, rigid):
     return q11, q12, q21, q22
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def surface_flexibility(r, omega, stack, rigid):
     """Return Q33 of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa]; `stack` is that of `Ground`."""
     return -psv_flexibility(r, omega, stack, rigid)[3]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def complex_flexibilities(r, omega, stack, rigid):
     """Return Q33 of many complex wavenumbers r (n,), one by one: lanes of them are not worth compiling."""
     out = np.empty(r.shape[0], np.complex128)
@@ -163,7 +163,7 @@ def complex_flexibilities(r, omega, stack, rigid):
     return out
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def surface_flexibilities(r, omega, stack, rigid):
     """Return Q33 of many real wavenumbers r (n,), all at one frequency, as a complex array (n,)."""
     out = np.empty(r.shape[0], np.complex128)
@@ -176,7 +176,7 @@ def surface_flexibilities(r, omega, stack, rigid):
     return out
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _through_layers(r, omega, stack, rigid, q):
     """Write the surface flexibility of up to LANES wavenumbers to `q`, parts of q11, q12, q21, q22."""
     n = min(r.shape[0], LANES)
@@ -196,7 +196,7 @@ def _through_layers(r, omega, stack, rigid, q):
                 _put(q, i, _layer(q11, q12, q21, q22, r[i], e, m, ks2, h))
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _put(q, i, flexibility):
     """Write the four entries of a flexibility to lane i."""
     q11, q12, q21, q22 = flexibility

@@ -15,11 +15,11 @@ with Q_zx = −Q_xz and Q_zy = −Q_yz. Symbols as in `railvib.soil.flexibility`
 
 import cmath
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from railvib.errors import InputError
+from railvib.numerics.jit import kernel
 from railvib.parameters.ground import Ground
 from railvib.soil.flexibility import psv_flexibility
 
@@ -27,7 +27,7 @@ ZZ, RR, TT, RZ = range(4)
 """Columns of `surface_components`."""
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def sh_flexibility(r, omega, stack, rigid):
     """Return q_tt of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa]; `stack` is that of `Ground`."""
     q = 0j  # displacement per stress on the top of what lies below
@@ -52,7 +52,7 @@ def sh_flexibility(r, omega, stack, rigid):
     return q
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def surface_components(r, omega, stack, rigid):
     """Return q_zz, q_rr, q_tt and q_rz/i of many wavenumbers r (n,), all at one frequency, as (4, n)."""
     out = np.empty((4, r.shape[0]), np.complex128)

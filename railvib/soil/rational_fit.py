@@ -11,11 +11,11 @@ certificate. See docs/theory/ground.md.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from scipy.linalg import lapack
 
 from railvib.numerics import threads
+from railvib.numerics.jit import kernel, reduction_kernel
 from railvib.numerics.vector_math import reciprocal
 from railvib.parameters.ground import Ground
 from railvib.soil.flexibility import surface_flexibilities
@@ -184,7 +184,7 @@ def _greedy_supports(
         support = np.sort(np.concatenate([support, new]))
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _cauchy(r, r_support):
     """Return 1/(r² − r_j²), rows j, columns r; the matrices here are laid out as LAPACK wants them."""
     out = np.empty((r_support.shape[0], r.shape[0]))
@@ -194,7 +194,7 @@ def _cauchy(r, r_support):
     return out
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _loewner(cauchy, f, f_support, row, column):
     """Return the scaled Loewner matrix, samples by support points."""
     out = np.empty(cauchy.shape, np.complex128)
@@ -222,7 +222,7 @@ def _smallest_singular_vector(matrix: np.ndarray) -> np.ndarray:
     return np.asarray(x)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _barycentric_errors(cauchy, weight, f_support, f):
     """Return the relative errors of the barycentric form where it should be f."""
     error = np.empty(f.shape[0])
@@ -258,7 +258,7 @@ def poles(
     return pole
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+@reduction_kernel
 def _polish(pole, z_support, weight, sweeps):
     """Improve zeros of Σ w_j/(z − z_j) in place, all together (Ehrlich–Aberth); tell whether they stand."""
     n = pole.shape[0]
@@ -314,7 +314,7 @@ def _residues(r: np.ndarray, f: np.ndarray, pole: np.ndarray) -> tuple[np.ndarra
     return found[:-1], complex(found[-1])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _partial_fractions(r, pole, row):
     """Return row/(r² − z_j) and row as columns of length one, and what they were multiplied with for that."""
     n = pole.shape[0]
@@ -334,7 +334,7 @@ def _partial_fractions(r, pole, row):
     return out.T, scale
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _partial_fraction_errors(r, f, pole, residue, constant):
     """Return the relative errors of the partial fractions where they should be f."""
     value = np.full(r.shape[0], constant)

@@ -14,9 +14,9 @@ pole has a reach, the distance from the strip beyond which its wave is passed ov
 that decay faster than that one are passed over.
 """
 
-import numba
 import numpy as np
 
+from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import power_turned, rough_log2
 
 STRETCH = 32
@@ -37,7 +37,7 @@ SQUARE, STRONGEST, DECAY, CENTRE_REAL, CENTRE_IMAG, TOTAL_REAL, TOTAL_IMAG = ran
 ROWS = 7
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def strip_compliances(beta, pole, residue, constant, b, offset):
     """Return real and imaginary part of C(β, y) at one frequency, each (offsets, wavenumbers) [m²/N].
 

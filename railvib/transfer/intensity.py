@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 from weakref import finalize
 
-import numba
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.frequency_blocks import STENCIL, combine
+from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import LANES, exp
 from railvib.numerics.wavenumber_panels import NODE, ORDER, WEIGHT
 from railvib.parameters.track import Track
@@ -234,7 +234,7 @@ def _floats(table: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(table, complex).view(float)
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _squares(value, rows, places, out):
     """Write |rows|² of values, real and imaginary parts in turn, to rows of others."""
     for i in range(rows.shape[0]):
@@ -243,7 +243,7 @@ def _squares(value, rows, places, out):
             out[places[i], j] = row[2 * j] * row[2 * j] + row[2 * j + 1] * row[2 * j + 1]
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _on_track(first, weight, compliance, edge, omega, bed, support, pad, rail):
     """Return |H̃|² of the rail and of the ground under it, and |ground's force|²; (3, lines, nodes)."""
     nodes = ORDER * (edge.shape[1] - 1)
@@ -271,7 +271,7 @@ def _on_track(first, weight, compliance, edge, omega, bed, support, pad, rail):
     return out
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _times_squares(first, weight, reduced, edge, omega, slowness, distance, last, out):
     """Multiply by |interpolated rows|² e^{−2κ·distance}, κ² = β² − (ω·slowness)², on panels below `last`."""
     row = np.empty(2 * out.shape[1])
@@ -288,7 +288,7 @@ def _times_squares(first, weight, reduced, edge, omega, slowness, distance, last
             out[i, j] = 0.0
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _nodes_below(last, edge, beta):
     """Write the nodes of the panels that begin below a wavenumber, and return how many they are."""
     end = 0

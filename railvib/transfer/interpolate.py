@@ -8,19 +8,15 @@ rows of its table.
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from llvmlite import ir
-from numba.core import types
-from numba.extending import intrinsic
 
 from railvib.numerics.frequency_blocks import HALO, PER_DECADE, SHIFT, STENCIL, STEPS
+from railvib.numerics.intrinsics import bilinear_sum
+from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import LANES, exp, log
 from railvib.numerics.wavenumber_panels import ORDER, panel_weights, stencil_weights
 
 _DECADE = np.log(10.0)
-_WIDTH = 8
-"""Numbers of a vector register, here; the compiler makes of it what the processor has."""
 
 
 class Tables(NamedTuple):
@@ -84,9 +80,10 @@ def interpolated(tables: Tables, frequency: np.ndarray, wavenumber: np.ndarray) 
 
 _STENCIL_AT = 7
 _BASIS_AT = _STENCIL_AT + STENCIL
+_sum_bilinear = bilinear_sum(STENCIL, ORDER, LANES, _STENCIL_AT, _BASIS_AT)
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _interpolated(tables, frequency, wavenumber, out):
     """Interpolate at points; the last ones fill up what goes through the loops together."""
     room = np.empty((_BASIS_AT + ORDER, LANES))
@@ -112,10 +109,10 @@ def _interpolated(tables, frequency, wavenumber, out):
         stencil_weights(np.int64(LANES), room[2], stencil, room[3])
         panel_weights(np.int64(LANES), room[4], basis, room[3])
         for i in range(min(LANES, points - first)):
-            out[first + i] = _weighted(tables.value, start[i], width[i], room, i)
+            out[first + i] = _sum_bilinear(tables.value, start[i], width[i], room, i)
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _find(tables, room, start, width):
     """Find the rows and the panel of every point.
 
@@ -148,68 +145,3 @@ def _find(tables, room, start, width):
         room[6, i] = tables.edge[edge_start + p + 1]
         start[i] = value_start + row * numbers + 2 * ORDER * p
         width[i] = numbers
-
-
-@intrinsic
-def _weighted(typingctx, value, start, width, room, i):
-    """Return Σ_m stencil_m Σ_j basis_j value[start + m·width + 2j …], real and imaginary part.
-
-    The weights are those of point `i` in the room of `_interpolated`. The sums over rows stay in vector
-    registers, which no compiler finds by itself for so many numbers.
-    """
-
-    def codegen(context, builder, signature, args):
-        double, number = ir.DoubleType(), ir.IntType(64)
-        vector = ir.VectorType(double, _WIDTH)
-        pairs = ir.VectorType(double, _WIDTH // 2)
-
-        def data(which):
-            return context.make_array(signature.args[which])(context, builder, args[which]).data
-
-        def index(k):
-            return ir.Constant(ir.IntType(32), k)
-
-        def shuffled(one, other, order):
-            return builder.shuffle_vector(
-                one, other, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order)
-            )
-
-        def weight(row):
-            place = builder.add(ir.Constant(number, row * LANES), args[4])
-            return builder.load(builder.gep(data(3), [place]))
-
-        def multiply_add(one, other, added):
-            product = builder.fmul(one, other, flags=("contract",))
-            return builder.fadd(product, added, flags=("contract",))
-
-        parts = 2 * ORDER // _WIDTH
-        sums = [ir.Constant(vector, [0.0] * _WIDTH)] * parts
-        row = builder.gep(data(0), [args[1]])
-        for m in range(STENCIL):
-            lone = builder.insert_element(
-                ir.Constant(vector, ir.Undefined), weight(_STENCIL_AT + m), index(0)
-            )
-            w = shuffled(lone, lone, [0] * _WIDTH)
-            for c in range(parts):
-                place = builder.gep(row, [ir.Constant(number, _WIDTH * c)])
-                found = builder.load(builder.bitcast(place, vector.as_pointer()), align=8)
-                sums[c] = multiply_add(w, found, sums[c])
-            row = builder.gep(row, [args[2]])
-        total = ir.Constant(vector, [0.0] * _WIDTH)
-        for c in range(parts):
-            own = ir.Constant(pairs, ir.Undefined)
-            for k in range(_WIDTH // 2):
-                own = builder.insert_element(own, weight(_BASIS_AT + _WIDTH // 2 * c + k), index(k))
-            twice = shuffled(own, own, [k // 2 for k in range(_WIDTH)])
-            total = multiply_add(twice, sums[c], total)
-        size = _WIDTH
-        while size > 2:
-            size //= 2
-            halves = (list(range(size)), list(range(size, 2 * size)))
-            total = builder.fadd(*(shuffled(total, total, half) for half in halves))
-        found = context.make_complex(builder, types.complex128)
-        found.real = builder.extract_element(total, index(0))
-        found.imag = builder.extract_element(total, index(1))
-        return found._getvalue()
-
-    return types.complex128(value, types.int64, types.int64, room, types.int64), codegen

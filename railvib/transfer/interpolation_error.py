@@ -9,11 +9,11 @@ the best of them everywhere.
 
 from collections.abc import Sequence
 
-import numba
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.frequency_blocks import STENCIL
+from railvib.numerics.jit import fused_kernel
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.track import Track
 from railvib.transfer.table import TOP, Nodes, Receiver, undamped
@@ -190,7 +190,7 @@ class Halfway:
         )
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _largest_errors(
     value, row_beta, row_omega, first, weight, beta, omega, force, direct, size, slowness, panels, distance
 ):

@@ -18,11 +18,11 @@ from functools import cached_property, lru_cache
 from typing import Any
 from weakref import finalize
 
-import numba
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.frequency_blocks import STENCIL
+from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import cos_sin, exp
 from railvib.numerics.wavenumber_panels import NODE, ORDER, count_below, nodes_between, panel_weights
 from railvib.parameters.track import Track
@@ -244,7 +244,7 @@ def _panel_edges(nodes: Nodes, frequency: bytes) -> np.ndarray:
     return edge
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _times_waves(value, factor, omega, slowness, beta, distance, sign, out):
     """Write values times a factor times the waves' decay, or over that where the sign is −1.
 
@@ -262,7 +262,7 @@ def _times_waves(value, factor, omega, slowness, beta, distance, sign, out):
             out[i, 2 * j + 1] = a * wave[1, j] + b * wave[0, j]
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _carried(first, weight, reduced, edge, omega, slowness, beta, distance):
     """Return what reduced rows give with the waves' decay at points, real and imaginary part, (n, 2).
 
@@ -304,7 +304,7 @@ def _carried(first, weight, reduced, edge, omega, slowness, beta, distance):
     return out
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def undamped(omega, slowness, beta, distance, sign, real, imag):
     """Write e^{∓κ·distance}, κ² = β² − (ω·slowness)², cut where nothing is left; one slowness per β."""
     start = 0

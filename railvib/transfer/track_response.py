@@ -2,10 +2,10 @@
 
 from functools import lru_cache
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
+from railvib.numerics.jit import fused_kernel, inline
 from railvib.numerics.vector_math import LANES, reciprocal
 from railvib.parameters.track import Track
 
@@ -66,7 +66,7 @@ def parameters(track: Track) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.nda
     )
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def _responses(beta, omega, compliance, bed, support, pad, rail):
     """Return the rail's displacement and the ground's force of many β, ω̂ and C."""
     n = beta.shape[0]
@@ -88,7 +88,7 @@ def _responses(beta, omega, compliance, bed, support, pad, rail):
     return displacement, pressed
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def load(n, q, bed, support, pad, rail):
     """Find what a unit force on the ground takes: displacement of the rail and force on it, per lane.
 
@@ -132,7 +132,7 @@ def load(n, q, bed, support, pad, rail):
         q[3 * LANES + i] = force.imag
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@fused_kernel
 def times_force(real, imag, force, out):
     """Write compliances of the ground, (n, m), times the force on it, real and imaginary parts in turn."""
     for i in range(real.shape[0]):
@@ -141,12 +141,12 @@ def times_force(real, imag, force, out):
             out[i, 2 * j + 1] = real[i, j] * force[2 * j + 1] + imag[i, j] * force[2 * j]
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _sign(x):
     return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else 0.0)
 
 
-@numba.njit(forceinline=True, error_model="numpy")
+@inline
 def _beam(beam, b4, w2, sign):
     """Return the dynamic stiffness EI (1 + iη sgn ω) β⁴ − ω² m of a beam."""
     bending = beam[0] * b4
