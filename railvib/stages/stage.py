@@ -7,7 +7,8 @@ leave anything out. Stages that differ in a receiver only can be computed togeth
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
-from functools import cached_property
+from functools import cache, cached_property
+from operator import attrgetter
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, TypeAdapter
@@ -141,18 +142,19 @@ class Stage(ABC):
         stage: Self = TypeAdapter(cls).validate_python(dict(inputs))
         return stage
 
-    @property
+    @cached_property
     def _values(self) -> tuple[Any, ...]:
-        return tuple(getattr(self, each.name) for each in fields(self))
+        values: tuple[Any, ...] = _values_of(type(self))(self)
+        return values
 
     @cached_property
     def _hash(self) -> int:
-        return hash((type(self), self._values))
+        return hash(self._values)
 
     def __eq__(self, other: object) -> bool:
         """Return whether the other one is of the same class and has equal inputs."""
         return self is other or (
-            isinstance(other, Stage) and type(self) is type(other) and self._values == other._values
+            isinstance(other, Stage) and self._hash == other._hash and self._values == other._values
         )
 
     def __hash__(self) -> int:
@@ -161,4 +163,14 @@ class Stage(ABC):
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields: a hash of texts holds in one process only."""
-        return {each.name: getattr(self, each.name) for each in fields(self)}
+        return {name: getattr(self, name) for name in _names(type(self))}
+
+
+@cache
+def _names(stage: type[Stage]) -> tuple[str, ...]:
+    return tuple(each.name for each in fields(stage))
+
+
+@cache
+def _values_of(stage: type[Stage]) -> Callable[[Stage], Any]:
+    return attrgetter(*_names(stage), "__class__")  # two names at least: a single one gives no tuple
