@@ -143,7 +143,7 @@ def _lock(descriptor: int, kind: int) -> bool | None:
     """Lock an open file; return whether nobody else has, or None where the file system has no locks."""
     try:
         fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
-    except BlockingIOError:
+    except (BlockingIOError, PermissionError):  # the latter on some network file systems
         return False
     except OSError:
         return None
