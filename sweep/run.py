@@ -283,6 +283,7 @@ def _compute(
                 log.write("repairing", tasks=tally.damaged)
                 again = prepare(request.resolved, directory, request.store).plan.resting_on(asked)
                 tally = scheduler.run(again, place, crew, report)
+        store.clean(directory)
         log.write("finished", done=tally.done, failed=tally.failed, skipped=tally.skipped)
     return FAILED if tally.failed else DONE
 

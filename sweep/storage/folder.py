@@ -1,9 +1,15 @@
-"""A folder of a file system as a location."""
+"""A folder of a file system as a location.
+
+Keys may come from records and metadata that somebody has altered: none leads out of the folder, only regular
+files are read, and only what a writer left aside is removed, links themselves instead of what they lead to.
+"""
 
 import errno
 import filecmp
 import os
+import re
 import shutil
+import stat
 import time
 import uuid
 from collections.abc import Iterable, Iterator, Mapping
@@ -13,6 +19,10 @@ from pathlib import Path
 from railvib.errors import InputError
 from sweep.storage.protocol import NONE, Content
 
+_UNREADABLE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ELOOP, errno.ENXIO, errno.ENAMETOOLONG)
+"""Errors of a path at which there is no file, and which say nothing about the disk."""
+_TEMPORARY = re.compile(r"[0-9a-f]{32}")
+
 
 class Folder:
     """A folder of a file system."""
@@ -20,16 +30,17 @@ class Folder:
     def __init__(self, path: Path | str) -> None:
         self._top = Path(path)
         self.address = str(path)
-        # Paths are built from text below: objects of pathlib take as long as what is done with small files.
+        # Paths are joined as text below: for small files, pathlib takes as long as reading or writing them.
         self._folder = f"{self._top}{os.sep}"
 
     def read(self, key: str) -> bytes | None:
         """Return a file's content."""
         try:
-            with open(self._folder + key, "rb") as file:
-                return file.read()
-        except (FileNotFoundError, NotADirectoryError):
-            return None
+            return bytes(_read(self._path(key)))
+        except OSError as error:
+            if error.errno in _UNREADABLE:
+                return None
+            raise
 
     def read_many(self, keys: Iterable[str]) -> Iterator[bytes | None]:
         """Yield the contents of files."""
@@ -37,81 +48,100 @@ class Folder:
 
     def read_group(self, prefix: str, keys: Iterable[str] | None = None) -> Mapping[str, bytes | bytearray]:
         """Return all files below a folder, or some of them."""
-        place = self._folder + prefix
+        try:
+            place = self._path(prefix)
+        except FileNotFoundError:
+            return {}
         contents: dict[str, bytes | bytearray] = {}
         for key in _keys(place) if keys is None else keys:
-            with suppress(FileNotFoundError):  # just being replaced: the reader will find that it is missing
-                contents[key] = _read(f"{place}/{key}")
+            try:
+                contents[key] = _read(self._path(f"{prefix}/{key}"))
+            except OSError as error:  # perhaps just being replaced: the reader will find that it is missing
+                if error.errno not in _UNREADABLE:
+                    raise
         return contents
 
     def names(self, prefix: str) -> list[str]:
         """Return what a folder holds but for files that are being written."""
         try:
-            with os.scandir(self._folder + prefix) as entries:
+            with os.scandir(self._path(prefix)) as entries:
                 return [entry.name for entry in entries if not entry.name.endswith(".partial")]
-        except (FileNotFoundError, NotADirectoryError):
-            return []
+        except OSError as error:
+            if error.errno in _UNREADABLE:
+                return []
+            raise
 
     def create(self, key: str, content: bytes) -> bool:
         """Do as `create_many`."""
         return self.create_many({key: content})[0]
 
     def create_many(self, contents: Mapping[str, bytes]) -> list[bool]:
-        """Write aside, sync, and link to the names, which fails where one is taken.
+        """Write temporary files, sync them, and link them to their names, which fails where one is taken.
 
-        What is synced first takes what else was written along: one by one each would wait for the disk.
+        The first sync takes along what else was written: one by one each would wait for the disk.
         """
-        asides = {key: _aside(self._folder + key) for key in contents}
-        first = []
+        temporary = {key: _temporary(self._path(key)) for key in contents}
+        is_first = []
         try:
-            for key, aside in asides.items():
-                _write_aside(aside, contents[key])
-            for aside in asides.values():
-                _sync(aside)
-            for key, aside in asides.items():
-                first.append(_linked_first(aside, self._folder + key))
+            for key, path in temporary.items():
+                _write_below(path, contents[key])
+            for path in temporary.values():
+                _sync(path)
+            for key, path in temporary.items():
+                is_first.append(_link_first(path, self._path(key)))
         finally:
-            for aside in asides.values():
-                with suppress(FileNotFoundError):
-                    os.unlink(aside)
-        for folder in dict.fromkeys(map(os.path.dirname, asides.values())):
+            for path in temporary.values():
+                with suppress(FileNotFoundError, NotADirectoryError):
+                    os.unlink(path)
+        for folder in dict.fromkeys(map(os.path.dirname, temporary.values())):
             _sync(folder)  # makes the names durable, not only the files behind them
-        return first
+        return is_first
 
     def ensure(self, key: str, content: bytes) -> None:
         """See that a file is there."""
-        if not os.path.exists(self._folder + key):
+        if not os.path.exists(self._path(key)):
             self.create(key, content)
 
     def replace(self, key: str, content: bytes) -> None:
         """Write a file in one step, whatever was there; durable when this returns."""
-        path = self._folder + key
-        aside = _aside(path)
-        _write_aside(aside, content)
-        _sync(aside)
-        os.replace(aside, path)
+        path = self._path(key)
+        temporary = _temporary(path)
+        _write_below(temporary, content)
+        _sync(temporary)
+        try:
+            os.replace(temporary, path)
+        except IsADirectoryError:
+            _set_aside(path)
+            os.replace(temporary, path)
         _sync(os.path.dirname(path))
 
     def put(self, prefix: str, objects: Mapping[str, Content], same: Mapping[str, str] = NONE) -> int:
-        """Write a folder aside, and rename it to its place; what is there already gets another name."""
-        aside = f"{self._folder}{self._partial(prefix)}/{uuid.uuid4().hex}"
+        """Write a temporary folder and rename it to its place; what is there already gets another name."""
+        temporary = f"{self._folder}{self._partial(prefix)}/{uuid.uuid4().hex}"
         for folder in dict.fromkeys(key.rpartition("/")[0] for key in objects):
-            _make(f"{aside}/{folder}" if folder else aside)
+            _make_folder(f"{temporary}/{folder}" if folder else temporary)
         written = 0
         for key, content in objects.items():
-            if key not in same or not _linked(self._folder + same[key], f"{aside}/{key}"):
-                written += _write(f"{aside}/{key}", content)
-        _rename(aside, self._folder + prefix)
+            if key not in same or not _link(self._path(same[key]), f"{temporary}/{key}"):
+                written += _write(f"{temporary}/{key}", content)
+        _rename(temporary, self._path(prefix))
         return written
 
     def remove(self, key: str) -> None:
-        """Remove a file."""
-        with suppress(FileNotFoundError):
-            os.unlink(self._folder + key)
+        """Remove a file or a link; a folder, which is nothing of ours, gets another name."""
+        try:
+            os.unlink(self._path(key))
+        except (IsADirectoryError, PermissionError):  # of a folder the latter on other systems than Linux
+            if not os.path.isdir(self._path(key)):
+                raise
+            _set_aside(self._path(key))
+        except OSError as error:
+            if error.errno not in _UNREADABLE:
+                raise
 
     def zarr(self, prefix: str) -> Path:
         """Return the path."""
-        return self._top / prefix
+        return Path(self._path(prefix))
 
     def check(self) -> None:
         """Check that the folder, or the nearest one above it that exists, can be written to."""
@@ -121,18 +151,37 @@ class Folder:
 
     def clean(self, prefix: str, older_than_s: float) -> None:
         """Remove what writers that died have left aside of groups below a first part of keys."""
-        for name in self.names(self._partial(prefix)):
-            path = self._top / self._partial(prefix) / name
+        folder = self._top / self._partial(prefix)
+        if folder.is_symlink():
+            return
+        for name in filter(_TEMPORARY.fullmatch, self.names(folder.name)):
+            path = folder / name
             with suppress(FileNotFoundError):
-                if time.time() - path.stat().st_mtime >= older_than_s:
-                    shutil.rmtree(path, ignore_errors=True)
+                state = path.lstat()
+                if stat.S_ISDIR(state.st_mode) and time.time() - state.st_mtime >= older_than_s:
+                    shutil.rmtree(path, ignore_errors=True)  # follows no links
+        if older_than_s == 0.0:
+            with suppress(OSError):  # it holds something else
+                folder.rmdir()
+
+    def _path(self, key: str) -> str:
+        """Return the path of a key.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the key leads out of the folder, or cannot be a path.
+        """
+        if "\0" in key or ".." in key and ".." in key.split("/"):
+            raise FileNotFoundError(errno.ENOENT, "leads out of its folder", key)
+        return self._folder + key
 
     @staticmethod
     def _partial(prefix: str) -> str:
         return f"{prefix.partition('/')[0]}.partial"
 
 
-def _linked(path: str, name: str) -> bool:
+def _link(path: str, name: str) -> bool:
     """Give a file another name; return whether that could be done: not every file system can."""
     try:
         os.link(path, name)
@@ -141,7 +190,7 @@ def _linked(path: str, name: str) -> bool:
     return True
 
 
-def _linked_first(path: str, name: str) -> bool:
+def _link_first(path: str, name: str) -> bool:
     """Give a file another name; return whether nothing had that: the first wins, whoever is slower."""
     try:
         os.link(path, name)
@@ -150,7 +199,7 @@ def _linked_first(path: str, name: str) -> bool:
     return True
 
 
-def _make(folder: str) -> None:
+def _make_folder(folder: str) -> None:
     """Make a folder if it is missing, and those above it."""
     try:
         os.mkdir(folder)
@@ -161,9 +210,19 @@ def _make(folder: str) -> None:
 
 
 def _read(path: str) -> bytearray:
-    """Return a file's content in memory that can be written to, so that an array needs no copy of it."""
-    with open(path, "rb", buffering=0) as file:
-        content = bytearray(os.fstat(file.fileno()).st_size)
+    """Return a regular file's content in memory that can be written to: an array needs no copy of it.
+
+    Raises
+    ------
+    IsADirectoryError
+        If something else lies there, such as a pipe, of which opening does not wait for the other end.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    with open(descriptor, "rb", buffering=0) as file:
+        state = os.fstat(descriptor)
+        if not stat.S_ISREG(state.st_mode):
+            raise IsADirectoryError(errno.EISDIR, "is no file", path)
+        content = bytearray(state.st_size)
         file.readinto(content)
         return content
 
@@ -174,19 +233,24 @@ def _write(path: str, content: Content) -> int:
         return sum(map(file.write, content if isinstance(content, tuple) else (content,)))
 
 
-def _aside(path: str) -> str:
+def _temporary(path: str) -> str:
     """Return a name beside `path` that nobody else has."""
     folder, name = os.path.split(path)
     return f"{folder}/.{name}.{uuid.uuid4().hex}.partial"
 
 
-def _write_aside(path: str, content: bytes) -> None:
+def _write_below(path: str, content: bytes) -> None:
     """Write a file in a folder that is made if missing."""
     try:
         _write(path, content)
     except FileNotFoundError:
         os.makedirs(os.path.dirname(path), exist_ok=True)
         _write(path, content)
+
+
+def _set_aside(path: str) -> None:
+    """Give what lies in the way another name."""
+    os.rename(path, f"{path}.{uuid.uuid4().hex[:8]}.damaged")
 
 
 def _rename(partial: str, place: str) -> None:
@@ -199,23 +263,26 @@ def _rename(partial: str, place: str) -> None:
             above = os.path.dirname(place)
             if os.path.isdir(above):
                 raise
-            _make(above)
+            _make_folder(above)
             continue
         except OSError as error:
-            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
                 raise
-        if _same(Path(partial), Path(place)):
+        if _is_same(Path(partial), Path(place)):
             shutil.rmtree(partial)
             return
-        aside = f"{os.path.dirname(partial)}/{uuid.uuid4().hex}"
+        temporary = f"{os.path.dirname(partial)}/{uuid.uuid4().hex}"
         try:
-            os.rename(place, aside)
+            os.rename(place, temporary)
         except FileNotFoundError:  # another writer was as quick: try again
             continue
-        shutil.rmtree(aside)
+        if os.path.isdir(temporary) and not os.path.islink(temporary):
+            shutil.rmtree(temporary)
+        else:
+            os.unlink(temporary)
 
 
-def _same(one: Path, other: Path) -> bool:
+def _is_same(one: Path, other: Path) -> bool:
     """Return whether two directories hold the same files with the same bytes."""
     keys = [sorted(_keys(str(top))) for top in (one, other)]
     return keys[0] == keys[1] and all(filecmp.cmp(one / key, other / key, shallow=False) for key in keys[0])

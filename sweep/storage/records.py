@@ -16,6 +16,7 @@ from typing import Any
 
 from sweep.storage import location
 from sweep.storage.folder import Folder
+from sweep.storage.forms import Form, is_failure, is_manifest, is_record
 
 SCHEMA = 2
 _WITHOUT_CHECKSUM = 1
@@ -42,10 +43,11 @@ class Run:
         FileNotFoundError
             If the directory holds no run.
         """
-        found = _decode(Folder(directory).read(MANIFEST)) or next(reversed(runs(directory)), None)
-        if found is None:
+        manifest = _decode(Folder(directory).read(MANIFEST), is_manifest)
+        manifest = manifest or next(reversed(runs(directory)), None)
+        if manifest is None:
             raise FileNotFoundError(Path(directory) / MANIFEST)
-        return found
+        return manifest
 
     @staticmethod
     def publish(directory: Path | str, manifest: Mapping[str, Any]) -> None:
@@ -57,7 +59,7 @@ class Run:
 
 def runs(directory: Path | str) -> list[dict[str, Any]]:
     """Return the manifests of all runs of a directory, the earliest first."""
-    manifests = _folder(directory, _RUNS)
+    manifests = _folder(directory, _RUNS, is_manifest)
     return sorted(manifests, key=lambda manifest: (manifest["started"], manifest["run_id"]))
 
 
@@ -66,9 +68,9 @@ def homes(directory: Path | str) -> tuple[Home, ...]:
     path = Path(directory) / MANIFEST
     try:
         state = path.stat()
+        outside = _store(Path(directory), state.st_mtime_ns, state.st_size)
     except (FileNotFoundError, NotADirectoryError):
         return (directory,)
-    outside = _store(Path(directory), state.st_mtime_ns, state.st_size)
     return (directory, outside) if outside else (directory,)
 
 
@@ -90,15 +92,15 @@ def committed(directory: Path | str, kind: str | None = None) -> Iterator[dict[s
     for home in outside:
         kept[home] = [key for key in kept[home] if key[1] in needed and key not in kept[here]]
     contents = {home: location.at(home).read_many(_key(*key) for key in keys) for home, keys in kept.items()}
-    for _, home in sorted((key, home) for home, keys in kept.items() for key in keys):
-        record = _decode(next(contents[home]))
+    for (_, unit_id), home in sorted((key, home) for home, keys in kept.items() for key in keys):
+        record = _record(unit_id, next(contents[home]))
         if record is not None:
             yield record
 
 
 def failed(directory: Path | str) -> Iterator[dict[str, Any]]:
     """Yield the records of failures that no later attempt has made good."""
-    for failure in _folder(directory, _FAILED):
+    for failure in _folder(directory, _FAILED, is_failure):
         if all(find(home, failure["kind"], failure["unit_id"]) is None for home in homes(directory)):
             yield failure
 
@@ -119,7 +121,7 @@ def listed(home: Home) -> set[str]:
 
 def find(home: Home, kind: str, unit_id: str) -> dict[str, Any] | None:
     """Return the commit record of a unit at one place, or None where there is none that can be read."""
-    return _decode(location.at(home).read(_key(kind, unit_id)))
+    return _record(unit_id, location.at(home).read(_key(kind, unit_id)))
 
 
 def commit(home: Home, record: Mapping[str, Any]) -> bool:
@@ -131,12 +133,12 @@ def commit_many(home: Home, made: Sequence[Mapping[str, Any]]) -> list[bool]:
     """Write commit records, one per unit, unless there are some; return of each whether it counts."""
     place = location.at(home)
     contents = {_key(record["kind"], record["unit_id"]): _encode(record) for record in made}
-    first = dict(zip(contents, place.create_many(contents), strict=True))
-    for key, content in contents.items():
-        if not first[key] and _decode(place.read(key)) is None:
+    is_first = place.create_many(contents)
+    for number, (record, (key, content)) in enumerate(zip(made, contents.items(), strict=True)):
+        if not is_first[number] and _record(record["unit_id"], place.read(key)) is None:
             place.remove(key)  # one that cannot be read holds its name for nothing
-            first[key] = place.create(key, content)
-    return list(first.values())
+            is_first[number] = place.create(key, content)
+    return is_first
 
 
 def withdraw(home: Home, kind: str, unit_id: str) -> None:
@@ -181,25 +183,34 @@ def _listed(home: Home, kind: str | None = None) -> list[tuple[str, str]]:
     )
 
 
-def _folder(directory: Path | str, name: str) -> list[dict[str, Any]]:
-    """Return the readable files of one folder of a run directory's records, in order of their names."""
+def _record(unit_id: str, encoded: bytes | None) -> dict[str, Any] | None:
+    """Return the commit record of a unit, or None where it is missing, damaged or another unit's."""
+    record = _decode(encoded, is_record)
+    return record if record is not None and record["unit_id"] == unit_id else None
+
+
+def _folder(directory: Path | str, name: str, form: Form) -> list[dict[str, Any]]:
+    """Return the whole files of one folder of a run directory's records, in order of their names."""
     place = Folder(directory)
     keys = [_key(name, each) for _, each in _listed(directory, name)]
-    return [content for content in map(_decode, place.read_many(keys)) if content is not None]
+    contents = (_decode(encoded, form) for encoded in place.read_many(keys))
+    return [content for content in contents if content is not None]
 
 
-def _decode(encoded: bytes | None) -> dict[str, Any] | None:
-    """Return the content of a record, or None where it is missing, torn or altered."""
+def _decode(encoded: bytes | None, form: Form) -> dict[str, Any] | None:
+    """Return the content of a record, or None where it is missing, torn, altered or of another form."""
     if encoded is None:
         return None
     try:
-        content: dict[str, Any] = json.loads(encoded)
-    except (json.JSONDecodeError, UnicodeDecodeError):
+        content = json.loads(encoded)
+    except (ValueError, RecursionError):
         return None
-    said = content.pop(_CHECKSUM, None)
+    if not isinstance(content, dict):
+        return None
+    checksum = content.pop(_CHECKSUM, None)
     body = encoded[: encoded.rfind(f',"{_CHECKSUM}":'.encode())]
-    whole = said == hashlib.sha256(body).hexdigest() or content.get("schema") == _WITHOUT_CHECKSUM
-    return content if whole else None
+    is_whole = checksum == hashlib.sha256(body).hexdigest() or content.get("schema") == _WITHOUT_CHECKSUM
+    return content if is_whole and form(content) else None
 
 
 def _encode(content: Mapping[str, Any]) -> bytes:

@@ -174,6 +174,8 @@ def test_of_two_results_that_differ_one_counts_and_neither_is_torn(tmp_path, out
                 "unit_id": "x",
                 "group": each.group,
                 "arrays": each.arrays,
+                "inputs": {},
+                "costs": [],
             },
         )
         for each in reversed(written)

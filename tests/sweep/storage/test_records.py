@@ -9,7 +9,13 @@ from sweep.storage.records import Run
 
 
 def record(unit_id, **more):
-    return {"schema": records.SCHEMA, "kind": "square", "unit_id": unit_id, "status": "done", **more}
+    written = {"group": f"square/{unit_id}", "arrays": {}, "inputs": {}, "costs": [], "status": "done"}
+    return {"schema": records.SCHEMA, "kind": "square", "unit_id": unit_id, **written, **more}
+
+
+def manifest(run_id, started, **more):
+    named = {"run_id": run_id, "study_name": "small", "study": {}, "cases": [], "host": "here"}
+    return {**named, "started": f"{started}T00:00:00+00:00", "finished": None, "exit_status": 0, **more}
 
 
 def test_the_first_record_stays(tmp_path):
@@ -106,7 +112,7 @@ def test_an_altered_record_is_none_and_the_next_one_stands(tmp_path):
 
 
 def test_a_damaged_manifest_has_a_copy(tmp_path):
-    Run.publish(tmp_path, {"run_id": "x", "started": "2026-01-02", "exit_status": 0})
+    Run.publish(tmp_path, manifest("x", "2026-01-02"))
     (tmp_path / "run.json").write_text('{"run_id"')
     assert Run.load(tmp_path)["exit_status"] == 0
 
@@ -120,9 +126,9 @@ def test_a_withdrawn_record_can_be_written_again(tmp_path):
 
 def test_the_latest_manifest_and_all_of_them(tmp_path):
     for run_id, started in [("y", "2026-01-01"), ("x", "2026-01-02")]:
-        Run.publish(tmp_path, {"run_id": run_id, "started": started, "exit_status": None})
-    Run.publish(tmp_path, {"run_id": "x", "started": "2026-01-02", "exit_status": 0})
-    assert Run.load(tmp_path) == {"run_id": "x", "started": "2026-01-02", "exit_status": 0}
+        Run.publish(tmp_path, manifest(run_id, started, exit_status=None))
+    Run.publish(tmp_path, manifest("x", "2026-01-02"))
+    assert Run.load(tmp_path) == manifest("x", "2026-01-02")
     assert [each["run_id"] for each in records.runs(tmp_path)] == ["y", "x"]
 
 
