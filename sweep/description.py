@@ -1,8 +1,11 @@
 """What a manifest says of a study's physics, as the results know none."""
 
+from typing import Any
+
 from railvib.parameters.ground import Ground
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
+from railvib.parameters.vehicle import AXLES, Train
 from sweep.study import Resolved
 
 
@@ -33,4 +36,23 @@ def rayleigh_speeds(resolved: Resolved) -> dict[str, list[float]]:
         name: [layer.rayleigh_speed for layer in ground.layers]
         for name, ground in resolved.objects["soil"].items()
         if isinstance(ground, Ground)
+    }
+
+
+def axles(resolved: Resolved) -> dict[str, list[dict[str, Any]]]:
+    """Return the axles of every train, the leading one first, with vehicle, place and static load."""
+    return {
+        name: [
+            {
+                "receiver": f"axle-{number}",
+                "vehicle": 1 + (number - 1) // AXLES,
+                "behind_first_axle_m": float(train.axle_positions[-1] - position),
+                "axle_load_n": float(load),
+            }
+            for number, (position, load) in enumerate(
+                zip(train.axle_positions[::-1], train.axle_loads[::-1], strict=True), 1
+            )
+        ]
+        for name, train in resolved.objects["train"].items()
+        if isinstance(train, Train)
     }

@@ -313,6 +313,7 @@ def _manifest(request: Request, run_id: str, launch: Launch) -> dict[str, Any]:
         "parameters": resolved.parameters(),
         "unevenness_bands": description.unevenness_bands(resolved),
         "rayleigh_speeds_m_s": description.rayleigh_speeds(resolved),
+        "axles": description.axles(resolved),
         "cases": [_case(case, request) for case in request.cases],
     }
 
@@ -332,6 +333,7 @@ def _case(case: Case, request: Request) -> dict[str, Any]:
         "train": case.train,
         "unevenness": case.unevenness,
         "speed_kmh": case.speed_kmh,
+        "labels": [label._asdict() for label in case.labels],
         "units": approaches,
     }
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError, model_validator
 
@@ -203,9 +203,22 @@ class Study(Section):
     unevenness: Mapping[str, Any] = {}
 
 
+class Label(NamedTuple):
+    """Names and speed of a case, as the study writes them."""
+
+    soil: str
+    track: str
+    train: str
+    unevenness: str
+    speed_kmh: float
+
+
 @dataclass(frozen=True)
 class Case:
-    """One combination of the axes: the physics, its id, and the names it has in this study."""
+    """One combination of the axes: the physics, its id, and every label it has in this study.
+
+    Where two names stand for equal things, a case has several labels; the first gives it its names.
+    """
 
     soil: str
     track: str
@@ -213,6 +226,7 @@ class Case:
     unevenness: str
     speed_kmh: float
     case_id: str
+    labels: tuple[Label, ...]
 
 
 @dataclass(frozen=True)
@@ -233,17 +247,16 @@ class Resolved:
     def cases(self) -> Iterator[Case]:
         """Yield the cases, each once, soil by soil so that what shares a ground is together."""
         axes = self.study.sweep
-        seen: set[str] = set()
-        for soil, track, train, unevenness, speed in product(
-            axes.soil, axes.track, axes.train, axes.unevenness, axes.speed_kmh
+        labels: dict[str, list[Label]] = {}
+        for label in map(
+            Label._make, product(axes.soil, axes.track, axes.train, axes.unevenness, axes.speed_kmh)
         ):
-            names = {"soil": soil, "track": track, "train": train, "unevenness": unevenness}
-            case_id = identity.case_id(
-                {kind: self.canonical[kind][name] for kind, name in names.items()}, speed / KMH
-            )
-            if case_id not in seen:
-                seen.add(case_id)
-                yield Case(soil, track, train, unevenness, speed, case_id)
+            things: dict[str, Canonical] = {kind: self.canonical[kind][getattr(label, kind)] for kind in AXES}
+            known = labels.setdefault(identity.case_id(things, label.speed_kmh / KMH), [])
+            if all(label[:-1] != other[:-1] for other in known):  # equal speeds are one, however written
+                known.append(label)
+        for case_id, (first, *others) in labels.items():
+            yield Case(*first, case_id, (first, *others))
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Return every named object in the form of study files, by kind and name."""

@@ -59,6 +59,14 @@ class Receptances:
     )
     speed: float
     """Speed of the load, m/s."""
+    inside: np.ndarray | None = field(
+        default=None,
+        metadata={
+            "dims": ("frequency",),
+            "unit": "",
+            "description": "whether the frequency lies in its block, not in the halo; not in older stores",
+        },
+    )
 
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Interpolate to frequencies (n,) in Hz; below the tables the static limit; (n, distances), m/N."""
@@ -147,6 +155,7 @@ def tabulated_receptances(
         level=np.array([each.level for each in made]),
         interpolation_error=np.array([each.error for each in made]),
         speed=speed,
+        inside=np.concatenate([blocks.inside(each.block, each.level) for each in made]),
     )
 
 

@@ -44,6 +44,13 @@ def indices(block: int, level: int) -> np.ndarray:
     return np.arange(block * steps - HALO, (block + 1) * steps + HALO + 1)
 
 
+def inside(block: int, level: int) -> np.ndarray:
+    """Return which of `indices` lie in the block, its lower edge included, and not in the halo."""
+    steps = STEPS * 2**level
+    k = indices(block, level)
+    return np.asarray((k >= block * steps) & (k < (block + 1) * steps))
+
+
 def frequency(level: int, k: np.ndarray | int) -> np.ndarray:
     """Return 10^(0.05 + k/(50·2^level)), Hz."""
     return np.asarray(10.0 ** (SHIFT + np.asarray(k) / (PER_DECADE * STEPS * 2**level)))

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from railvib import library
 from sweep.running import lock
 from sweep.storage import records, store
 from tests.sweep import driver
@@ -59,6 +60,14 @@ def test_a_run_leaves_manifest_records_store_and_log(computed):
         [case["case_id"]]
     ] * 2
     assert len(manifest["unevenness_bands"]["german-low"]) > 1
+    names = ("soil", "track", "train", "unevenness", "speed_kmh")
+    assert case["labels"] == [{name: case[name] for name in names}]
+    axles = manifest["axles"][case["train"]]
+    assert [axle["receiver"] for axle in axles[:2]] == ["axle-1", "axle-2"]
+    assert [axle["vehicle"] for axle in axles] == [1 + place // 4 for place in range(len(axles))]
+    behind = [axle["behind_first_axle_m"] for axle in axles]
+    assert behind == sorted(behind)
+    assert behind[:2] == pytest.approx([0.0, library.load("vehicle", "regina").axle_spacing])
 
 
 def test_spectra_can_be_read(computed):

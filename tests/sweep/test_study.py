@@ -162,6 +162,22 @@ def test_an_inline_copy_of_the_library_is_the_same_case():
     assert ids(data) == ids(tables())
 
 
+@pytest.mark.parametrize("kind", ["soil", "track", "train", "unevenness"])
+def test_two_names_for_equal_things_are_labels_of_one_case(kind):
+    data = tables()
+    (name, *_) = data["sweep"][kind]
+    entry = dict(library.entry(kind, name).parameters)
+    data["sweep"][kind] = [name, "mine"]
+    data[kind] = {"mine": entry}
+    one = changed(f"sweep.{kind}", [name])
+    cases = list(study.resolve(data).cases())
+    assert {case.case_id for case in cases} == ids(one)
+    assert len(cases) == len(ids(one))
+    for case in cases:
+        assert [getattr(label, kind) for label in case.labels] == [name, "mine"]
+        assert case.labels[0] == (case.soil, case.track, case.train, case.unevenness, case.speed_kmh)
+
+
 def test_a_study_spelt_out_is_the_same_study():
     resolved = study.resolve(tables())
     again = study.resolve(resolved.document())
@@ -204,5 +220,6 @@ def test_one_more_speed_leaves_the_other_cases(values):
     assert len(more) == 2 * (1 + len(rest))
 
 
-def test_a_value_twice_is_one_case():
-    assert len(list(study.resolve(changed("sweep.speed_kmh", [150, 150.0])).cases())) == 2
+def test_a_value_twice_is_one_case_with_one_label():
+    cases = list(study.resolve(changed("sweep.speed_kmh", [150, 150.0])).cases())
+    assert [len(case.labels) for case in cases] == [1, 1]

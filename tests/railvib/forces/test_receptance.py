@@ -36,6 +36,15 @@ def test_interpolation(rail, track, speed):
     )
 
 
+def test_a_table_tells_its_blocks_from_their_halos(rail, track):
+    table = tabulated_receptances(rail, track, 0.0, DISTANCES, range(0, 2))
+    f = table.frequency[table.inside]
+    assert np.all(np.diff(f) > 0.0)
+    assert f[0] == pytest.approx(blocks.edges(0)[0])
+    assert f[-1] < blocks.edges(1)[1]
+    assert table.frequency.size - f.size >= 2 * 2 * blocks.HALO
+
+
 @pytest.mark.parametrize(
     ("speed", "frequency"), [(0.0, 20.0), (3.0, 1.0), (40.0, 0.5), (40.0, 20.0), (40.0, 34.0)]
 )

@@ -52,3 +52,14 @@ def test_every_frequency_has_a_block():
     assert blocks.edges(blocks.up_to(100.0)[-1])[1] >= 100.0
     assert blocks.edges(blocks.up_to(100.0)[-1])[0] < 100.0
     assert blocks.up_to(100.0)[0] == blocks.LOWEST
+
+
+@pytest.mark.parametrize("level", [0, 2])
+def test_blocks_without_halos_hold_every_frequency_once(level):
+    f = [
+        blocks.frequency(level, blocks.indices(block, level)[blocks.inside(block, level)]) for block in (0, 1)
+    ]
+    lower, upper = blocks.edges(0)[0], blocks.edges(1)[1]
+    assert f[0][0] == pytest.approx(lower)
+    assert f[0][-1] < f[1][0] == pytest.approx(blocks.edges(0)[1])
+    np.testing.assert_allclose(np.diff(np.log10([*f[0], *f[1], upper])), 0.02 / 2**level)
