@@ -19,7 +19,7 @@ from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.soil.rational_fit import RationalFit, fit_flexibility
 from railvib.soil.strip import strip_compliances
-from railvib.transfer.table import Nodes
+from railvib.transfer.nodes import TOP, Nodes
 from railvib.transfer.tabulate import largest_wavenumber
 from railvib.transfer.track_response import track_response
 
@@ -135,7 +135,7 @@ class _Own:
 
 def wavenumbers(ground: Ground, track: Track, frequency: float, number: int = WAVENUMBERS) -> np.ndarray:
     """Return wavenumbers as tables have them: half below the slowest wave's, half from there on."""
-    top = 1.3 / ground.slowest_speed
+    top = TOP / ground.slowest_speed
     largest = max(largest_wavenumber(track), 8.0 * np.pi * frequency * top)
     nodes = Nodes(top, largest, np.linspace(0.0, 2.0, number // 12 + 2))
     return np.ascontiguousarray(nodes.wavenumber(np.array([frequency]))[0, :number])

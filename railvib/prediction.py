@@ -22,7 +22,8 @@ from railvib.plausibility import check_damping, check_speed, check_tolerance
 from railvib.psd.spectra import Spectra
 from railvib.stages.graph import case_spectra, evaluate
 from railvib.stages.transfer_table import TransferTable
-from railvib.transfer.table import TransferBlock, TransferFunction
+from railvib.transfer.table import TransferBlock
+from railvib.transfer.transfer_function import TransferFunction
 
 if TYPE_CHECKING:
     import xarray

@@ -12,8 +12,9 @@ from railvib import library
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.parameters.vehicle import Train, Vehicle
-from railvib.transfer.table import Receiver, TransferFunction
+from railvib.transfer.table import Receiver
 from railvib.transfer.tabulate import transfer_blocks
+from railvib.transfer.transfer_function import TransferFunction
 
 # A busy machine makes a right answer slow, not wrong.
 settings.register_profile("untimed", deadline=None)

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
-from railvib.transfer.table import Nodes, TransferFunction
+from railvib.transfer.nodes import Nodes
+from railvib.transfer.transfer_function import TransferFunction
 
 _PANELS = 3
 """Of the table's, to each of those here where waves travel."""
@@ -70,10 +71,10 @@ def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
 def _block(rail: TransferFunction, speed: float, block: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the frequencies of a block below its upper edge, wavenumbers and values."""
     frequency = blocks.frequency(0, blocks.indices(block, 0)[blocks.HALO : -blocks.HALO - 1])
-    table = rail.blocks[min(max(block, min(rail.blocks)), max(rail.blocks))]
-    waves = table.edge[table.edge <= 1.0]
-    kept = np.concatenate([[0.0], waves[-1:0:-_PANELS][::-1], table.edge[table.edge > 1.0]])
-    half = Nodes(table.top_slowness, table.largest, kept).wavenumber(frequency)
+    nodes = rail.blocks[min(max(block, min(rail.blocks)), max(rail.blocks))].nodes
+    waves = nodes.edge[nodes.edge <= 1.0]
+    edge = np.concatenate([[0.0], waves[-1:0:-_PANELS][::-1], nodes.edge[nodes.edge > 1.0]])
+    half = Nodes(nodes.top_slowness, nodes.largest, edge).wavenumber(frequency)
     beta = np.concatenate([-half[:, ::-1], half], axis=1)
     seen = 2.0 * np.pi * frequency[:, None] - beta * speed
     inside = (np.abs(seen) <= 2.0 * np.pi * rail.highest) & (np.abs(beta) <= rail.reach)

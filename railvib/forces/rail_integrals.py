@@ -15,8 +15,8 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.jit import kernel
 from railvib.numerics.wavenumber_panels import NODE, ORDER, fourier_integrals, unresolved
 from railvib.parameters.track import Track
-from railvib.transfer.table import TransferFunction
 from railvib.transfer.track_response import track_response
+from railvib.transfer.transfer_function import TransferFunction
 
 _TAIL_PANELS = 3
 _TAIL_RATIO = 4.0
@@ -149,8 +149,9 @@ def _first_panels(
     halves = largest * 0.5 ** np.arange(1, int(np.log2(largest / _NARROWEST)) + 1)
     found = []
     for block in np.unique(which):
-        table = rail.blocks[int(block)]
-        slowness = table.edge[(table.edge > 0.0) & (table.edge <= 1.0)][::-_EDGES_TAKEN] * table.top_slowness
+        nodes = rail.blocks[int(block)].nodes
+        travelling = nodes.edge[(nodes.edge > 0.0) & (nodes.edge <= 1.0)]
+        slowness = travelling[::-_EDGES_TAKEN] * nodes.top_slowness
         omega = 2.0 * np.pi * frequency[which == block][:, None]
         ahead = omega * slowness / (1.0 + slowness * speed)
         reach = np.maximum(omega * slowness[0], _NARROWEST)

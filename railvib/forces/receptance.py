@@ -18,8 +18,8 @@ from railvib.forces.rail_integrals import rail_integrals
 from railvib.forces.smooth_receptance import Load, Reduced, smoothest
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.track import Track
-from railvib.transfer.table import TransferFunction
 from railvib.transfer.tabulate import largest_wavenumber
+from railvib.transfer.transfer_function import TransferFunction
 
 _MOST_LEVELS = 6
 _CHECKS = 9

@@ -16,8 +16,8 @@ import numpy as np
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.vector_math import turned
 from railvib.parameters.track import Track
-from railvib.transfer.table import TransferFunction
 from railvib.transfer.track_response import track_response
+from railvib.transfer.transfer_function import TransferFunction
 
 _SHARES = np.array([0.0, 0.5, 0.6, 0.7, 0.4, 0.3])
 """Slownesses whose phase is tried, of one above every wave's."""
@@ -105,7 +105,7 @@ def smoothest(
     frequency = blocks.frequency(level, blocks.indices(block, level))
     rows, exact = receptance - load.dragged(frequency), direct - load.dragged(between)
     best = Reduced(load, block, level, 0.0, rows), np.inf
-    for slowness in _SHARES * max(table.top_slowness for table in load.rail.blocks.values()):
+    for slowness in _SHARES * max(table.nodes.top_slowness for table in load.rail.blocks.values()):
         turned = rows * load.phase(frequency, slowness) if slowness > 0.0 else rows
         value = blocks.interpolated(block, level, between, turned)
         if slowness > 0.0:

@@ -28,8 +28,10 @@ from railvib.numerics.wavenumber_panels import FROM_POWERS, ORDER
 from railvib.psd.excitation import Excitation
 from railvib.psd.excitation_moments import moments
 from railvib.transfer.intensity import same_nodes, squares
-from railvib.transfer.table import Nodes, Receiver, TransferFunction
+from railvib.transfer.nodes import Nodes
+from railvib.transfer.table import Receiver
 from railvib.transfer.tabulate import distance_class
+from railvib.transfer.transfer_function import TransferFunction
 
 _LINES_AT_ONCE = 64
 RECEIVERS_AT_ONCE = 8
@@ -129,7 +131,7 @@ class _Weights:
         """
         key = nodes, lines.tobytes()
         if key not in self._made:
-            shape = lines.size, nodes.edge.size - 1
+            shape = lines.size, nodes.panel_count
             self._made[key] = np.zeros(shape, bool), np.zeros((*shape, ORDER))
         known, weight = self._made[key]
         missing = (np.arange(known.shape[1]) < panels[:, None]) & ~known

@@ -10,7 +10,8 @@ from railvib.forces.wheel_rail import axle_forces
 from railvib.psd.excitation import excitation
 from railvib.psd.full_model import passage_spectra
 from railvib.psd.spectra import Passage, Spectra, assemble
-from railvib.transfer.table import Receiver, TransferFunction
+from railvib.transfer.table import Receiver
+from railvib.transfer.transfer_function import TransferFunction
 
 
 def full_model_spectra(

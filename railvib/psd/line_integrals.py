@@ -18,7 +18,8 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.jit import inline, kernel
 from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals
 from railvib.transfer.intensity import same_nodes, squared, squared_at
-from railvib.transfer.table import Receiver, TransferFunction
+from railvib.transfer.table import Receiver
+from railvib.transfer.transfer_function import TransferFunction
 
 _AT_ONCE = 64
 _MOST_LEVELS = 6
@@ -29,38 +30,44 @@ _NEGLIGIBLE = 1e-14
 """Share of ∫ |H̃|² below which a panel is passed over."""
 
 
-@dataclass(frozen=True)
-class LineIntegrals:
-    """M(d, f) of one receiver, block after block."""
+@dataclass(frozen=True, eq=False)
+class LineGrid:
+    """Frequencies and distances of line integrals, which receivers with the same levels share."""
 
     frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz", "description": "frequency"})
     distance: np.ndarray = field(
         metadata={"dims": ("distance",), "unit": "m", "description": "distance between axles"}
     )
+    block: np.ndarray = field(metadata={"dims": ("block",), "unit": "", "description": "index of the block"})
+    level: np.ndarray = field(
+        metadata={"dims": ("block",), "unit": "", "description": "level of the block's frequencies"}
+    )
+
+
+@dataclass(frozen=True)
+class LineIntegrals:
+    """M(d, f) of one receiver, block after block."""
+
+    grid: LineGrid = field(metadata={"shared_by": "receiver"})
+    """Where they are tabulated."""
     integral: np.ndarray = field(
         metadata={
             "dims": ("frequency", "distance"),
             "unit": "m3/N2",
             "description": "line integral of the squared response",
-            "own": "receiver",
         }
-    )
-    block: np.ndarray = field(metadata={"dims": ("block",), "unit": "", "description": "index of the block"})
-    level: np.ndarray = field(
-        metadata={"dims": ("block",), "unit": "", "description": "level of the block's frequencies"}
     )
     interpolation_error: np.ndarray = field(
         metadata={
             "dims": ("block",),
             "unit": "1",
             "description": "largest error half-way between frequencies, relative to the integral at 0 m",
-            "own": "receiver",
         }
     )
 
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Interpolate to frequencies (n,) in Hz inside the blocks; (n, distances), m³/N²."""
-        return blocks.across(self.block, self.level, frequency, self.integral)
+        return blocks.across(self.grid.block, self.grid.level, frequency, self.integral)
 
 
 def line_integrals(
@@ -90,26 +97,23 @@ def line_integrals(
         For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
     """
     d = np.asarray(distances, float)
-    made: dict[Receiver, list[_Block]] = {receiver: [] for receiver in receivers}
+    tabulated: dict[Receiver, list[_Block]] = {receiver: [] for receiver in receivers}
     for block in which:
         for receiver, table in _block(receivers, d, block, tolerance, int(np.log2(refinement))).items():
-            made[receiver].append(table)
-    # What receivers with the same levels have in common is the same arrays in all of them.
-    common: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+            tabulated[receiver].append(table)
+    grids: dict[tuple[int, ...], LineGrid] = {}
     integrals = {}
-    for receiver, tables in made.items():
-        level = tuple(each.level for each in tables)
-        if level not in common:
-            frequency = np.concatenate([each.frequency for each in tables])
-            common[level] = frequency, np.array([each.block for each in tables]), np.array(level)
-        frequency, own_blocks, levels = common[level]
+    for receiver, tables in tabulated.items():
+        levels = tuple(table.level for table in tables)
+        if levels not in grids:
+            frequency = np.concatenate([table.frequency for table in tables])
+            grids[levels] = LineGrid(
+                frequency, d, np.array([table.block for table in tables]), np.array(levels)
+            )
         integrals[receiver] = LineIntegrals(
-            frequency,
-            d,
-            np.concatenate([each.integral for each in tables]),
-            own_blocks,
-            levels,
-            np.array([each.error for each in tables]),
+            grids[levels],
+            np.concatenate([table.integral for table in tables]),
+            np.array([table.error for table in tables]),
         )
     return integrals
 
@@ -174,7 +178,7 @@ def _at_level(
             for out, each in zip(value, members, strict=True):
                 squared_at(receivers[each], block, level, ks, out[: ks.size])
                 squared_at(receivers[each], block, level + 1, halfway, out[ks.size :])
-                receivers[each].blocks[block].forget_reduced()
+                receivers[each].blocks[block].discard_reduced()
             edge = receivers[members[0]].blocks[block].nodes.panel_edges(f)
             integral |= zip(members, _integrals(edge, value, distance), strict=True)
             spent.evaluations += value.size

@@ -71,7 +71,7 @@ def _standing(
     position = train.axle_positions
     parts: list[Means] = []
     with cost.stage("line average"):
-        distance = next(iter(integrals.values())).distance
+        distance = next(iter(integrals.values())).grid.distance
         on_lines = {receiver: each.at(frequency) for receiver, each in integrals.items()}
     equations = AxleEquations(train, rail, frequency)
     # One set of forces takes no matrices.

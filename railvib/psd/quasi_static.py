@@ -12,7 +12,9 @@ from railvib import cost
 from railvib.numerics.vector_math import turned
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
-from railvib.transfer.table import TOP, Receiver, TransferFunction, nothing_beyond
+from railvib.transfer.nodes import TOP
+from railvib.transfer.table import Receiver, negligible_beyond
+from railvib.transfer.transfer_function import TransferFunction
 
 
 @dataclass(frozen=True)
@@ -81,4 +83,4 @@ def highest_left(ground: Ground, track: Track, receiver: Receiver, speed: float)
     distance = 0.0 if receiver == "rail" else max(float(receiver) - track.half_width, 0.0)
     if TOP * speed >= ground.slowest_speed:
         return np.inf
-    return nothing_beyond(distance) * speed / (2.0 * np.pi)
+    return negligible_beyond(distance) * speed / (2.0 * np.pi)

@@ -15,7 +15,8 @@ from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.jit import kernel
 from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals, lagrange_weights
-from railvib.transfer.table import TransferFunction
+from railvib.transfer.nodes import TOP
+from railvib.transfer.transfer_function import TransferFunction
 
 _COARSEST_STEP = 0.25
 _STEPS_PER_WAVELENGTH = 7.0
@@ -60,7 +61,7 @@ def train_integrals(
         for block in np.unique(which):
             table = receiver.blocks[int(block)]
             here = which == block
-            wavelength = 1.3 / (float(f[here].max()) * table.top_slowness)
+            wavelength = TOP / (float(f[here].max()) * table.nodes.top_slowness)
             x, weight = _points(axle_position, wavelength)
             step = min(_COARSEST_STEP, wavelength / _STEPS_PER_WAVELENGTH)
             grid = step * np.arange(int(np.ceil(np.ptp(axle_position) / step)) + 5)

@@ -11,7 +11,7 @@ from railvib.stages.fe_be_table import FeBeTable
 from railvib.stages.model_stage import Bands, ModelStage, blocks_over
 from railvib.stages.stage import Load, Stage
 from railvib.stages.transfer_table import TransferTable
-from railvib.transfer.table import TransferFunction
+from railvib.transfer.transfer_function import TransferFunction
 
 REMEMBERED = 4096
 """Sequences of tables that planning keeps, as many cases share them."""

@@ -14,8 +14,8 @@ from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage, blocks_ov
 from railvib.stages.stage import COMPLEX, Load, Stage, Work
 from railvib.stages.tables import receiver_tables, transfer_function
 from railvib.stages.transfer_table import table_size
-from railvib.transfer.table import TransferFunction
 from railvib.transfer.tabulate import transfer_blocks
+from railvib.transfer.transfer_function import TransferFunction
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

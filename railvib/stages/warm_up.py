@@ -11,7 +11,7 @@ from railvib.parameters.vehicle import Train
 from railvib.stages.graph import case_spectra, evaluate
 from railvib.stages.transfer_table import TransferTable
 from railvib.transfer.intensity import squares
-from railvib.transfer.table import TransferFunction
+from railvib.transfer.transfer_function import TransferFunction
 
 
 @cache

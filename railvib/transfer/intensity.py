@@ -8,7 +8,6 @@ found when the table is made, which knows it.
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
-from weakref import finalize
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -19,8 +18,10 @@ from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import LANES, exp
 from railvib.numerics.wavenumber_panels import NODE, ORDER, WEIGHT
 from railvib.parameters.track import Track
-from railvib.transfer.table import MOST_DECAY, Nodes, Receiver, TransferBlock, TransferFunction
+from railvib.transfer.nodes import Nodes
+from railvib.transfer.table import MOST_DECAY, Receiver, TransferBlock
 from railvib.transfer.track_response import load, parameters
+from railvib.transfer.transfer_function import TransferFunction
 
 _LEVELS_BEYOND, _MOST_LEVELS = 3, 6
 """Levels beyond that of the table, between whose frequencies nothing new is known, and levels at all."""
@@ -149,14 +150,14 @@ def squares(function: TransferFunction, block: int) -> Squares:
     It is kept with the table, which many cases share.
     """
     table = function.blocks[block]
-    if function.track not in table.kept:
+    if function.track not in table.derived:
         ks = blocks.indices(block, table.square_level)
         value = squared_at(function, block, table.square_level, ks)
         edge = table.nodes.panel_edges(blocks.frequency(table.square_level, ks))
-        table.kept[function.track] = Squares(table.square_level, value, _panels(edge, value))
-        table.forget_reduced()
-    kept: Squares = table.kept[function.track]
-    return kept
+        table.derived[function.track] = Squares(table.square_level, value, _panels(edge, value))
+        table.discard_reduced()
+    tabulated: Squares = table.derived[function.track]
+    return tabulated
 
 
 def _panels(edge: np.ndarray, value: np.ndarray) -> np.ndarray:
@@ -191,19 +192,21 @@ def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray)
     edge = table.nodes.panel_edges(frequency)
     omega = 2.0 * np.pi * frequency
     first, weight = blocks.stencils(table.block, table.level, frequency)
-    if track is None or table.compliance is None:
+    compliance = table.shared.compliance
+    if track is None or compliance is None:
         value = np.ones((frequency.size, table.transfer.shape[1]))
     else:
-        key = id(table.compliance), track, frequency.tobytes()
-        own = table.receiver == "rail" or table.offset == 0.0
-        if own or key not in _forces:
-            compliance = _floats(table.compliance)
-            rail, centre, force = _on_track(first, weight, compliance, edge, omega, *parameters(track))
-            if own:
+        forces = table.shared.squared_forces
+        key = track, frequency.tobytes()
+        under_track = table.receiver == "rail" or table.offset == 0.0
+        if under_track or key not in forces:
+            rail, centre, force = _on_track(
+                first, weight, _floats(compliance), edge, omega, *parameters(track)
+            )
+            if under_track:
                 return np.asarray(rail if table.receiver == "rail" else centre)
-            _forces[key] = force.copy()
-            finalize(table.compliance, _forces.pop, key, None)
-        value = _forces[key].copy()
+            forces[key] = force.copy()
+        value = forces[key].copy()
     _times_squares(
         first,
         weight,
@@ -216,10 +219,6 @@ def _evaluated(table: TransferBlock, track: Track | None, frequency: np.ndarray)
         value,
     )
     return value
-
-
-_forces: dict[tuple[int, Track, bytes], np.ndarray] = {}
-"""|Ground's force|² by the compliance that tables have in common, as long as that is held."""
 
 
 def _square(value: np.ndarray) -> np.ndarray:

@@ -16,7 +16,8 @@ from railvib.numerics.frequency_blocks import STENCIL
 from railvib.numerics.jit import fused_kernel
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.track import Track
-from railvib.transfer.table import TOP, Nodes, Receiver, undamped
+from railvib.transfer.nodes import TOP, Nodes
+from railvib.transfer.table import Receiver, reference_waves
 from railvib.transfer.track_response import track_response
 
 _GOOD = 0.1
@@ -213,13 +214,13 @@ def _largest_errors(
                 total[1, j] = 0.0
             for m in range(STENCIL):
                 row = first[i] + m
-                undamped(row_omega[row], slowness[c], row_beta[row], distance, -1.0, term[0], term[1])
+                reference_waves(row_omega[row], slowness[c], row_beta[row], distance, -1.0, term[0], term[1])
                 for j in range(nodes):
                     a = weight[i, m] * value[row, 2 * j]
                     b = weight[i, m] * value[row, 2 * j + 1]
                     total[0, j] += a * term[0, j] - b * term[1, j]
                     total[1, j] += a * term[1, j] + b * term[0, j]
-            undamped(omega[i], slowness[c], beta[i], distance, 1.0, term[0], term[1])
+            reference_waves(omega[i], slowness[c], beta[i], distance, 1.0, term[0], term[1])
             for j in range(nodes):
                 a = total[0, j] * term[0, j] - total[1, j] * term[1, j]
                 b = total[0, j] * term[1, j] + total[1, j] * term[0, j]

@@ -8,7 +8,6 @@ of frequencies at which interpolation between them passes a check against direct
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +21,8 @@ from railvib.soil.quadrature import strip_compliance_by_quadrature
 from railvib.soil.strip import strip_compliances
 from railvib.transfer.intensity import square_level
 from railvib.transfer.interpolation_error import Halfway
-from railvib.transfer.table import TOP, Nodes, Receiver, TransferBlock
+from railvib.transfer.nodes import TOP, Nodes
+from railvib.transfer.table import Receiver, SharedTable, TransferBlock
 from railvib.transfer.track_response import times_force, track_response
 
 MOST_LEVELS = 6
@@ -97,8 +97,8 @@ def transfer_blocks_by_class(
 ) -> Iterator[dict[Receiver, TransferBlock]]:
     """Yield what `transfer_blocks` returns class by class, some receivers of a class at a time.
 
-    So not all tables need be held at once. Tables of a class that have the same frequencies hold the same
-    arrays of all that does not depend on the receiver.
+    So not all tables are in memory at once. Tables of a class that have the same frequencies refer to one
+    `SharedTable`.
     """
     fits = GroundFits(ground, block, 1e-6 * tolerance)
     model = evaluation or Evaluation
@@ -232,11 +232,11 @@ def _coarsest(level: int, k: int) -> tuple[int, int]:
 
 
 class _Common:
-    """What the tables of a class have in common at each level, made once: the same arrays in all of them."""
+    """What the tables of a class have in common at each level."""
 
     def __init__(self, certificate: float) -> None:
         self._certificate = certificate
-        self._fields: dict[int, dict[str, Any]] = {}
+        self._tables: dict[int, SharedTable] = {}
         self._halfway: dict[int, Halfway] = {}
 
     def halfway(self, samples: _Samples, level: int) -> Halfway:
@@ -253,27 +253,25 @@ class _Common:
             self._halfway[level] = made
         return self._halfway[level]
 
-    def fields(self, samples: _Samples, level: int) -> dict[str, Any]:
-        """Return the fields of a level's tables."""
-        if level not in self._fields:
+    def table(self, samples: _Samples, level: int) -> SharedTable:
+        """Return what the tables of a level share."""
+        if level not in self._tables:
             fits, nodes = samples.fits, samples.nodes
             ks = blocks.indices(fits.block, level)
             frequency = blocks.frequency(level, ks)
             known = samples.know_compliance
-            self._fields[level] = {
-                "frequency": frequency,
-                "wavenumber": nodes.wavenumber(frequency),
-                "compliance": np.array(samples.at(level, ks, samples.COMPLIANCE)) if known else None,
+            self._tables[level] = SharedTable(
+                frequency=frequency,
+                wavenumber=nodes.wavenumber(frequency),
+                compliance=np.array(samples.at(level, ks, samples.COMPLIANCE)) if known else None,
                 **_rational_form(fits, level, ks),
-                "quadrature": tuple(each for each in frequency.tolist() if each in samples.failed),
-                "edge": nodes.edge,
-                "block": fits.block,
-                "level": level,
-                "top_slowness": nodes.top_slowness,
-                "largest": nodes.largest,
-                "compliance_error": self._certificate,
-            }
-        return self._fields[level]
+                quadrature=tuple(f for f in frequency.tolist() if f in samples.failed),
+                block=fits.block,
+                level=level,
+                nodes=nodes,
+                compliance_error=self._certificate,
+            )
+        return self._tables[level]
 
 
 def _resolved_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> Nodes:
@@ -343,7 +341,7 @@ def _tables(
                 waiting.append(receiver)
                 continue
             table = TransferBlock(
-                **common.fields(samples, level),
+                common.table(samples, level),
                 transfer=np.array(samples.at(level, blocks.indices(fits.block, level), receiver)),
                 receiver="rail" if receiver == "rail" else "ground",
                 offset=np.nan if receiver == "rail" else float(receiver),

@@ -273,8 +273,8 @@ def _groups(batch: Mapping[Unit, Any]) -> list[dict[Unit, fields.Parts]]:
     groups: dict[Hashable, dict[Unit, fields.Parts]] = {}
     for unit, result in batch.items():
         parts = fields.split(result)
-        alone = unit.stage.label() is None
-        groups.setdefault(unit if alone else (unit.kind, parts.sharing), {})[unit] = parts
+        alone = unit.stage.label() is None or parts.dimension is None
+        groups.setdefault(unit if alone else (unit.kind, parts.group_key), {})[unit] = parts
     return list(groups.values())
 
 
@@ -291,7 +291,7 @@ def _store(
     first = next(iter(group))
     name = f"{first.kind}/{first.id}"
     said = {"kind": first.kind, "model_version": railvib.MODEL_VERSION}
-    results = {unit.stage.label(): parts.saying(unit_id=unit.id) for unit, parts in group.items()}
+    results = {unit.stage.label(): parts.with_attributes(unit_id=unit.id) for unit, parts in group.items()}
     made = writer.together(name, results, said)
     wall_s = (time.perf_counter() - wall) / len(group)
     cpu_s = (time.process_time() - cpu) / len(group)

@@ -1,13 +1,8 @@
-"""What a worker keeps at hand: results within a number of bytes, and small things by their number.
+"""What a worker keeps at hand: results within a number of bytes, and small things by their number."""
 
-Only results in use are measured again and again: all others cannot grow.
-"""
-
-import sys
 from collections import OrderedDict
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from itertools import islice
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -18,7 +13,8 @@ Value = TypeVar("Value")
 CACHE_BYTES = 128 * 2**20
 """What a worker keeps of the results that it has stored or read, for the tasks that follow."""
 UNMEASURED = 16
-"""Results that are held before those in use are measured anew, as what is derived from them grows."""
+UNMEASURED_SHARE = 0.125
+"""Results, and share of those held, that are added before all are measured anew, as what is derived grows."""
 ROOM = 0.9
 """Share of the cache that is left in use when it is full."""
 
@@ -38,43 +34,35 @@ class Latest(dict[Key, Value]):
             del self[next(iter(self))]
 
 
-_Sized = tuple[int, int]
-"""An array by its address, and its size in bytes."""
-
-
 @dataclass
 class _Held:
-    """A result, its own arrays, and those that had been derived from it when it was measured last."""
+    """A result, or what some results share, and the bytes of its arrays when it was measured last."""
 
     result: Any
-    own: list[_Sized]
-    derived: list[_Sized] = field(default_factory=list)
+    nbytes: int = 0
+    holders: int = 0
 
-    def measure(self) -> list[_Sized]:
-        """Return the arrays derived from the result that are kept with it, behind its fields."""
-        return _sized(islice(vars(self.result).values(), _field_count(self.result), None))
-
-    def used_elsewhere(self) -> bool:
-        """Return whether somebody else has the result, and may derive more from it."""
-        return sys.getrefcount(self.result) > 2  # this one's, and the argument of the call
+    def measure(self) -> int:
+        """Return how many bytes it has grown by."""
+        nbytes = _nbytes(vars(self.result).values())
+        grown = nbytes - self.nbytes
+        self.nbytes = nbytes
+        return grown
 
 
 class Cache:
     """The results used last, up to a number of bytes.
 
-    An array that some have in common counts once, and what has been derived from a result and is kept with it
-    counts as well: it is measured some results later, and again as long as somebody uses the result.
+    What some of them share counts once. What has been derived from a result and is kept with it counts as
+    well: all are measured anew after some further results.
     """
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
-        self._held = 0
+        self._nbytes = 0
         self._unmeasured = 0
         self._results: OrderedDict[tuple[str, str], _Held] = OrderedDict()
-        self._used: set[tuple[str, str]] = set()
-        # An array that was derived and is gone counts until its result is measured: what has taken its
-        # place in memory must not pass for it, unless it is as large.
-        self._holders: dict[_Sized, int] = {}
+        self._shared: dict[Any, _Held] = {}
 
     def get(self, key: tuple[str, str]) -> Any:
         """Return a result, or None where it is not held."""
@@ -82,78 +70,62 @@ class Cache:
         if held is None:
             return None
         self._results.move_to_end(key)
-        self._used.add(key)
         return held.result
 
     def put(self, key: tuple[str, str], result: Any) -> None:
         """Hold a result, and let go of those not used for longest."""
         if key in self._results:
             return
-        own = _sized(islice(vars(result).values(), _field_count(result)))
-        self._results[key] = _Held(result, own)
-        self._used.add(key)
-        self._take(own)
+        held = self._results[key] = _Held(result)
+        self._nbytes += held.measure()
+        for part in _shared_parts(result):
+            if part not in self._shared:
+                self._shared[part] = _Held(part)
+                self._nbytes += self._shared[part].measure()
+            self._shared[part].holders += 1
         self._unmeasured += 1
-        if self._held > self._limit or self._unmeasured >= UNMEASURED:
+        if self._nbytes > self._limit or self._unmeasured >= max(
+            UNMEASURED, UNMEASURED_SHARE * len(self._results)
+        ):
             self._measure()
 
     def clear(self) -> None:
         """Let go of all."""
         self._results.clear()
-        self._used.clear()
-        self._holders.clear()
-        self._held = self._unmeasured = 0
+        self._shared.clear()
+        self._nbytes = self._unmeasured = 0
 
     def _measure(self) -> None:
         """Find what has grown, and make so much room that it lasts for some results."""
         self._unmeasured = 0
-        for key in list(self._used):
-            held = self._results[key]
-            self._release(held.derived)
-            held.derived = held.measure()
-            self._take(held.derived)
-            if not held.used_elsewhere():
-                self._used.remove(key)
-        if self._held <= self._limit:
+        self._nbytes += sum(held.measure() for held in (*self._results.values(), *self._shared.values()))
+        if self._nbytes <= self._limit:
             return
-        while self._results and self._held > ROOM * self._limit:
-            key, held = self._results.popitem(last=False)
-            self._used.discard(key)
-            self._release(held.own)
-            self._release(held.derived)
-
-    def _take(self, arrays: Iterable[_Sized]) -> None:
-        """Count arrays that one more result holds."""
-        for array in arrays:
-            holders = self._holders.get(array, 0) + 1
-            self._holders[array] = holders
-            if holders == 1:
-                self._held += array[1]
-
-    def _release(self, arrays: Iterable[_Sized]) -> None:
-        """Count arrays that one result less holds."""
-        for array in arrays:
-            holders = self._holders[array] - 1
-            if holders:
-                self._holders[array] = holders
-            else:
-                del self._holders[array]
-                self._held -= array[1]
+        while self._results and self._nbytes > ROOM * self._limit:
+            _key, held = self._results.popitem(last=False)
+            self._nbytes -= held.nbytes
+            for part in _shared_parts(held.result):
+                self._shared[part].holders -= 1
+                if not self._shared[part].holders:
+                    self._nbytes -= self._shared.pop(part).nbytes
 
 
-def _field_count(result: Any) -> int:
-    # As many as `dataclasses.fields` returns of results, which it looks for among them each time.
-    return len(result.__dataclass_fields__)
+def _shared_parts(result: Any) -> Iterator[Any]:
+    """Yield the dataclasses to which a result refers: what it shares with others."""
+    for value in vars(result).values():
+        if hasattr(value, "__dataclass_fields__"):
+            yield value
+            yield from _shared_parts(value)
 
 
-def _sized(values: Iterable[Any]) -> list[_Sized]:
-    """Return the arrays among values, and in dictionaries and tuples."""
-    found: list[_Sized] = []
-    for each in values:
-        if isinstance(each, np.ndarray):
-            found.append((id(each), each.nbytes))
-        elif isinstance(each, dict):
-            found += _sized(each.values())
-        elif isinstance(each, tuple) and each and not isinstance(each[0], float):
-            found += _sized(each)
-    return found
+def _nbytes(values: Iterable[Any]) -> int:
+    """Return the bytes of the arrays among values, and in dictionaries and tuples."""
+    total = 0
+    for value in values:
+        if isinstance(value, np.ndarray):
+            total += value.nbytes
+        elif isinstance(value, dict):
+            total += _nbytes(value.values())
+        elif isinstance(value, tuple) and value and not isinstance(value[0], float):
+            total += _nbytes(value)
+    return total

@@ -2,67 +2,91 @@
 
 Fields whose metadata name their dimensions are arrays, `field(metadata={"dims": ("frequency", "node"),
 "unit": "m/N", "description": "..."})`; all others, and arrays of text, are attributes. With "called_by" an
-array takes its name from another field: H of the rail is stored as `rail`. In fields with "own" results
-differ that have all other arrays in common; it names the dimension along which their arrays then lie.
+array takes its name from another field: H of the rail is stored as `rail`. A field with "shared_by" refers to
+a dataclass that several results share, which is stored once for all of them; its metadata name the dimension
+along which the results lie then. What is shared may refer to further shared dataclasses; all of them can be
+hashed.
 """
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeVar
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 Result = TypeVar("Result")
 
-
 Arrays = dict[str, tuple[NDArray[Any], Mapping[str, Any]]]
 """Arrays with their metadata, by name."""
+Recorded = Mapping[str, Mapping[str, Any]]
+"""What a record holds of the arrays of a group: sha256, shape and dtype by their names."""
+
+
+class Part(NamedTuple):
+    """Arrays and attributes of a dataclass, without those of what it shares with others."""
+
+    source: Any
+    arrays: Arrays
+    attributes: dict[str, Any]
 
 
 class Parts(NamedTuple):
-    """What a result consists of: what it may have in common with others, and what is its own."""
+    """What a result consists of: what is its own, and what it shares with others."""
 
-    arrays: Arrays
-    attributes: dict[str, Any]
-    own_arrays: Arrays
-    own_attributes: dict[str, Any]
+    own: Part
+    shared: tuple[Part, ...]
+    dimension: str | None
+    """Along which results lie that share everything else; None for a result that shares nothing."""
 
-    @property
-    def whole(self) -> "Parts":
-        """The same without a distinction."""
-        return Parts(self.arrays | self.own_arrays, self.attributes | self.own_attributes, {}, {})
-
-    def saying(self, **attributes: Any) -> "Parts":
+    def with_attributes(self, **attributes: Any) -> "Parts":
         """Return the same with further attributes of its own."""
-        return self._replace(own_attributes=self.own_attributes | attributes)
+        return self._replace(own=self.own._replace(attributes=self.own.attributes | attributes))
 
     @property
-    def sharing(self) -> tuple[Any, ...]:
-        """What results agree in that can lie in one group: the same arrays, and the form of their own."""
-        common = [(name, id(array)) for name, (array, _) in self.arrays.items()]
-        own = [(name, array.shape, array.dtype) for name, (array, _) in self.own_arrays.items()]
-        return tuple(common), tuple(own), repr(self.attributes)
+    def attributes(self) -> dict[str, Any]:
+        """All attributes."""
+        return {name: value for part in (*self.shared, self.own) for name, value in part.attributes.items()}
+
+    @property
+    def arrays(self) -> Arrays:
+        """All arrays."""
+        return {name: array for part in (*self.shared, self.own) for name, array in part.arrays.items()}
+
+    @property
+    def group_key(self) -> tuple[Any, ...]:
+        """Equal for results that can lie in one group: they share the same, and their arrays are alike."""
+        form = [(name, array.shape, array.dtype) for name, (array, _) in self.own.arrays.items()]
+        return tuple(part.source for part in self.shared), tuple(form)
 
 
 def split(result: Any) -> Parts:
     """Part the fields of a dataclass into arrays with their metadata and attributes; check dimensions."""
-    parts = Parts({}, {}, {}, {})
-    sizes: dict[str, int] = {}
+    own, *shared = _split(result, {})
+    fields = dataclasses.fields(result)
+    return Parts(own, tuple(shared), next(filter(None, map(_dimension, fields)), None))
+
+
+def _split(result: Any, sizes: dict[str, int]) -> Iterator[Part]:
+    """Yield the parts of a dataclass, first its own, then what it shares; check sizes along dimensions."""
+    own = Part(result, {}, {})
+    yield own
     for field in dataclasses.fields(result):
         value = getattr(result, field.name)
-        own = bool(field.metadata.get("own"))
-        arrays, attributes = parts[2:] if own else parts[:2]
+        if _dimension(field):
+            yield from _split(value, sizes)
+            continue
         if "dims" not in field.metadata:
-            attributes[field.name] = _plain(value)
+            own.attributes[field.name] = _plain(value)
             continue
         if value is None:
             continue
         array = np.asarray(value)
         dims = field.metadata["dims"]
         if array.dtype.kind == "U":  # Zarr's format has no settled form for text
-            attributes[field.name] = array.tolist()
+            own.attributes[field.name] = array.tolist()
             continue
         if array.ndim != len(dims) or array.dtype.kind not in "fciub":
             raise ValueError(
@@ -73,24 +97,70 @@ def split(result: Any) -> Parts:
                 raise ValueError(
                     f"{type(result).__name__}.{field.name}: {size} along {dim}, others have {sizes[dim]}"
                 )
-        arrays[_called(field, lambda name: getattr(result, name))] = (array, field.metadata)
-    return parts
+        own.arrays[_stored_name(field, lambda name: getattr(result, name))] = (array, field.metadata)
 
 
-def joined(kind: type[Result], found: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]) -> Result:
-    """Return the dataclass that arrays and attributes were stored for."""
+_in_memory: "WeakValueDictionary[tuple[Any, ...], Any]" = WeakValueDictionary()
+"""What results share, by its type and content, as long as one of them is in memory."""
+
+
+def joined(
+    kind: type[Result],
+    arrays: Mapping[str, NDArray[Any]],
+    attributes: Mapping[str, Any],
+    recorded: Recorded | None = None,
+) -> Result:
+    """Return the dataclass that arrays and attributes were stored for.
+
+    What it shares is one object for all results in memory whose records hold the same of it.
+    """
     values: dict[str, Any] = {}
     for field in dataclasses.fields(kind):  # type: ignore[arg-type]
-        if "dims" in field.metadata:
-            name = _called(field, attributes.__getitem__)
-            array = np.asarray(attributes[name]) if name in attributes else found.get(name)
+        if _dimension(field):
+            values[field.name] = _shared(field.type, arrays, attributes, recorded)
+        elif "dims" in field.metadata:
+            name = _stored_name(field, attributes.__getitem__)
+            array = np.asarray(attributes[name]) if name in attributes else arrays.get(name)
             values[field.name] = array[()] if array is not None and array.ndim == 0 else array
         else:
             values[field.name] = _restored(attributes[field.name], field.type)
     return kind(**values)
 
 
-def _called(field: "dataclasses.Field[Any]", attribute: Callable[[str], Any]) -> str:
+def _shared(
+    kind: Any,
+    arrays: Mapping[str, NDArray[Any]],
+    attributes: Mapping[str, Any],
+    recorded: Recorded | None,
+) -> Any:
+    """Return what several results share: the object in memory if there is one of the same content."""
+    if recorded is None:
+        return joined(kind, arrays, attributes)
+    key = kind, *_content(kind, attributes, recorded)
+    part = _in_memory.get(key)
+    if part is None:
+        part = _in_memory[key] = joined(kind, arrays, attributes, recorded)
+    return part
+
+
+def _content(kind: Any, attributes: Mapping[str, Any], recorded: Recorded) -> Iterator[Any]:
+    """Yield what a dataclass holds: checksums of its arrays, and its attributes as text."""
+    for field in dataclasses.fields(kind):
+        if _dimension(field):
+            yield from _content(field.type, attributes, recorded)
+        elif field.name in recorded:
+            array = recorded[field.name]
+            yield array["sha256"], array["dtype"], tuple(array["shape"])
+        else:
+            yield repr(attributes.get(field.name))
+
+
+def _dimension(field: "dataclasses.Field[Any]") -> str | None:
+    """Return the dimension along which results lie that share what a field refers to, else None."""
+    return field.metadata.get("shared_by")
+
+
+def _stored_name(field: "dataclasses.Field[Any]", attribute: Callable[[str], Any]) -> str:
     """Return an array's name in the store: its field's, or what another field of the result calls it."""
     return str(attribute(field.metadata["called_by"])) if "called_by" in field.metadata else field.name
 

@@ -14,10 +14,8 @@ from typing import Any
 from numpy.typing import NDArray
 
 from sweep.storage import checksums, codec
+from sweep.storage.fields import Recorded
 from sweep.storage.protocol import Location
-
-Recorded = Mapping[str, Mapping[str, Any]]
-"""What a record holds of the arrays of a group: sha256, shape and dtype by their names."""
 
 
 class DamagedError(Exception):

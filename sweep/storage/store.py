@@ -1,9 +1,9 @@
 """Results as immutable Zarr groups: a frozen dataclass of arrays in, the same dataclass or plain arrays out.
 
-What of a dataclass is an array says `sweep.storage.fields`; all else goes to attributes. Results that have
-most of their arrays in common can lie in one group, as the transfer functions of several receivers do: what
-is each one's own lies along one dimension more, every result in chunks of its own. A group is encoded in
-memory and named after its content, and never changes. An array is one chunk or is cut along its first
+`sweep.storage.fields` says which fields of a dataclass are arrays; all others become attributes. Results that
+share most of their arrays can lie in one group, as the transfer functions of several receivers do: what is
+each one's own lies along one dimension more, every result in chunks of its own. A group is encoded in memory
+and named after its content, and never changes. An array is one chunk or is cut along its first
 dimension in `sweep.storage.codec` alone: no caller can write part of a chunk.
 """
 
@@ -13,15 +13,15 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from weakref import finalize, ref
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sweep.storage import checksums as compared
 from sweep.storage import codec, fields, location, records
-from sweep.storage.fields import Result
-from sweep.storage.group import MEMBERS, Group, Recorded, metadata_digest
+from sweep.storage.fields import Recorded, Result
+from sweep.storage.group import MEMBERS, Group, metadata_digest
 from sweep.storage.group import DamagedError as DamagedError
 from sweep.storage.protocol import Content
 
@@ -77,13 +77,14 @@ class Written:
 
 @dataclasses.dataclass
 class _Stored:
-    """What became of an array, the key below which it lies, and whether several groups have it."""
+    """How a shared part was stored: below which key, and of its arrays the metadata, chunks and checksums."""
 
-    head: bytes
-    chunks: Mapping[str, Content]
-    checksum: dict[str, Any]
-    key: str
+    prefix: str
+    heads: dict[str, bytes]
+    chunks: dict[str, Mapping[str, Content]]
+    checksums: dict[str, dict[str, Any]]
     shared: bool = False
+    """Whether several groups have it."""
 
 
 @dataclasses.dataclass
@@ -96,8 +97,10 @@ class _Encoded:
         Of the arrays that all results of the group have.
     own_checksums
         Of those that each has for itself, by label.
+    same
+        Keys of objects of other groups with the same content, by keys of this one.
     fresh
-        Arrays that no other group has yet, though it may.
+        Shared parts that no other group has yet.
     """
 
     heads: dict[str, bytes] = dataclasses.field(default_factory=dict)
@@ -105,21 +108,32 @@ class _Encoded:
     checksums: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
     own_checksums: dict[str | None, dict[str, dict[str, Any]]] = dataclasses.field(default_factory=dict)
     same: dict[str, str] = dataclasses.field(default_factory=dict)
-    fresh: dict[str, NDArray[Any]] = dataclasses.field(default_factory=dict)
+    fresh: list[fields.Part] = dataclasses.field(default_factory=list)
 
-    def encode(self, key: str, array: NDArray[Any], metadata: Mapping[str, Any]) -> None:
-        """Add an array that no other group has."""
-        self.heads[key], self.chunks[key] = codec.encode_array(key, array, metadata, CHUNK_BYTES)
-        self.checksums[key] = compared.checksum(array)
-        self.fresh[key] = array
-        compared.remember_chunks(codec.chunk_checksums(self.chunks[key]), self.checksums[key])
+    def encode(self, part: fields.Part) -> None:
+        """Add the arrays of a part that no other group has."""
+        for key, (array, metadata) in part.arrays.items():
+            self.heads[key], self.chunks[key] = codec.encode_array(key, array, metadata, CHUNK_BYTES)
+            self.checksums[key] = compared.checksum(array)
+            compared.remember_chunks(codec.chunk_checksums(self.chunks[key]), self.checksums[key])
 
-    def encode_own(self, members: Mapping[str | None, fields.Parts]) -> None:
+    def link(self, stored: _Stored) -> None:
+        """Add the arrays of a part that another group has."""
+        self.heads |= stored.heads
+        self.chunks |= stored.chunks
+        self.checksums |= stored.checksums
+        for key, chunks in stored.chunks.items():
+            self.same |= {
+                f"{key}/{each}": f"{stored.prefix}/{key}/{each}" for each in (codec.METADATA, *chunks)
+            }
+
+    def stack(self, members: Mapping[str | None, fields.Parts]) -> None:
         """Add what results have for themselves, array by array, one result behind the other."""
-        said = {MEMBERS: {label: parts.own_attributes for label, parts in members.items()}}
-        for key, (_, metadata) in next(iter(members.values())).own_arrays.items():
-            arrays = [parts.own_arrays[key][0] for parts in members.values()]
-            form = {**metadata, "dims": (metadata["own"], *metadata["dims"]), "attributes": said}
+        said = {MEMBERS: {label: parts.own.attributes for label, parts in members.items()}}
+        first = next(iter(members.values()))
+        for key, (_, metadata) in first.own.arrays.items():
+            arrays = [parts.own.arrays[key][0] for parts in members.values()]
+            form = {**metadata, "dims": (first.dimension, *metadata["dims"]), "attributes": said}
             self.heads[key], chunks = codec.encode_stack(key, arrays, form, CHUNK_BYTES)
             self.chunks[key] = {place: chunk for own in chunks for place, chunk in own.items()}
             for label, array, own in zip(members, arrays, chunks, strict=True):
@@ -127,19 +141,28 @@ class _Encoded:
                 compared.remember_chunks(codec.chunk_checksums(own), checksum)
                 self.own_checksums.setdefault(label, {})[key] = checksum
 
+    def stored(self, part: fields.Part, prefix: str) -> _Stored:
+        """Return how one of its parts was stored below a key."""
+        return _Stored(
+            prefix,
+            {key: self.heads[key] for key in part.arrays},
+            {key: self.chunks[key] for key in part.arrays},
+            {key: self.checksums[key] for key in part.arrays},
+        )
+
 
 class Writer:
     """Writes results as groups of the store at `home`.
 
-    An array that several results have in common, the same object in memory, is encoded and stored once: where
-    the file system can, its files are given another name in the groups of the others. What became of an array
-    is known as long as somebody holds it and, after a call of `settle`, if several results have had it. What
-    is said of one array is often said of others as well, and is stored once too.
+    What several results share is encoded and stored once: where the file system can, its files are given
+    another name in the groups of the others. How it was stored is remembered as long as it is in memory and,
+    after a call of `settle`, if several groups have it. Metadata that arrays have in common are stored once
+    too.
     """
 
     def __init__(self, home: records.Home) -> None:
         self._home = home
-        self._stored: dict[tuple[str, int], _Stored] = {}
+        self._stored: WeakKeyDictionary[Any, _Stored] = WeakKeyDictionary()
         self._heads: dict[bytes, str] = {}
         self._ensured: set[str] = set()
 
@@ -157,7 +180,7 @@ class Writer:
     def together(
         self, name: str, results: Mapping[str | None, fields.Parts], attributes: Mapping[str, Any]
     ) -> list[Written]:
-        """Write results that agree in `sharing` as one group.
+        """Write results that agree in `Parts.group_key` as one group.
 
         The group is called `name` and a digest of what is in it. So writers whose results differ in the last
         digit never touch each other's, and a record names the group that it stands for.
@@ -174,24 +197,35 @@ class Writer:
         Raises
         ------
         ValueError
-            If an attribute cannot be stored, or results differ in what is not their own.
+            If an attribute cannot be stored, or results share different things.
         """
-        members = {label: parts if label is not None else parts.whole for label, parts in results.items()}
-        first, *others = members.values()
-        if any(each.sharing != first.sharing for each in others):
+        first, *others = results.values()
+        alone = None in results or first.dimension is None
+        if any(alone or each.group_key != first.group_key for each in others):
             raise ValueError(f"{name}: results of one group differ in what is not their own")
         group = _Encoded()
-        for key, (array, metadata) in first.arrays.items():
-            self._add(group, key, array, metadata)
-        group.encode_own(members)
-        said = codec.encode_attributes({**attributes, **first.attributes})
-        head = codec.encode_group(group.heads, said)
+        said = dict(attributes)
+        for part in first.shared:
+            self._add(group, part)
+            said |= part.attributes
+        if alone:
+            group.encode(first.own)
+            said |= first.own.attributes
+        heads_alone = dict(group.heads)
+        if not alone:
+            group.stack(results)
+        for key, array_head in heads_alone.items():
+            if array_head in self._heads:
+                group.same.setdefault(f"{key}/{codec.METADATA}", self._heads[array_head])
+        head = codec.encode_group(group.heads, codec.encode_attributes(said))
         heads = {codec.METADATA: head}
         heads |= {f"{key}/{codec.METADATA}": each for key, each in group.heads.items()}
         digest = metadata_digest(heads)
         content = json.dumps([group.checksums, list(group.own_checksums.values()), digest], sort_keys=True)
         place = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
         size = self._put(f"{STORE}/{place}", heads, group)
+        for key, array_head in heads_alone.items():
+            self._heads.setdefault(array_head, f"{STORE}/{place}/{key}/{codec.METADATA}")
         return [
             Written(
                 group=place,
@@ -199,29 +233,25 @@ class Writer:
                 arrays=group.checksums | group.own_checksums.get(label, {}),
                 metadata=digest,
                 group_metadata=hashlib.sha256(head).hexdigest(),
-                attributes={**attributes, **parts.whole.attributes},
-                values={each: array for each, (array, _) in parts.whole.arrays.items()},
-                bytes_written=size // len(members) + (number < size % len(members)),
+                attributes={**attributes, **parts.attributes},
+                values={each: array for each, (array, _) in parts.arrays.items()},
+                bytes_written=size // len(results) + (number < size % len(results)),
             )
-            for number, (label, parts) in enumerate(members.items())
+            for number, (label, parts) in enumerate(results.items())
         ]
 
-    def _add(self, group: _Encoded, key: str, array: NDArray[Any], metadata: Mapping[str, Any]) -> None:
-        """Add an array to a group that others may have as well."""
-        stored = self._stored.get((key, id(array)))
+    def _add(self, group: _Encoded, part: fields.Part) -> None:
+        """Add a shared part to a group."""
+        stored = self._stored.get(part.source)
         if stored is None:
-            group.encode(key, array, metadata)
-            if group.heads[key] in self._heads:
-                group.same[f"{key}/{codec.METADATA}"] = self._heads[group.heads[key]]
+            group.encode(part)
+            group.fresh.append(part)
         else:
             stored.shared = True
-            group.heads[key], group.chunks[key] = stored.head, stored.chunks
-            group.checksums[key] = stored.checksum
-            for each in (codec.METADATA, *stored.chunks):
-                group.same[f"{key}/{each}"] = f"{stored.key}/{each}"
+            group.link(stored)
 
     def _put(self, prefix: str, heads: Mapping[str, bytes], group: _Encoded) -> int:
-        """Write a group to its place, and keep in mind where its arrays are; return the bytes written."""
+        """Write a group to its place, and remember where its shared parts are; return the bytes written."""
         place = location.at(self._home)
         for level in _above(prefix):
             if level not in self._ensured:  # so that the store can be walked from its root
@@ -231,23 +261,14 @@ class Writer:
         for key, chunks in group.chunks.items():
             objects |= {f"{key}/{each}": chunk for each, chunk in chunks.items()}
         written = place.put(prefix, objects, group.same)
-        for key, array in group.fresh.items():
-            known, head = (key, id(array)), group.heads[key]
-            self._stored[known] = _Stored(head, group.chunks[key], group.checksums[key], f"{prefix}/{key}")
-            finalize(array, _forget, ref(self), known).atexit = False
-            self._heads.setdefault(head, f"{prefix}/{key}/{codec.METADATA}")
+        for part in group.fresh:
+            self._stored[part.source] = group.stored(part, prefix)
         return written
 
     def settle(self) -> None:
-        """Let go of arrays that one result alone has had so far: as stored they take as much memory again."""
-        self._stored = {key: stored for key, stored in self._stored.items() if stored.shared}
-
-
-def _forget(writer: "ref[Writer]", key: tuple[str, int]) -> None:
-    """Let go of an array that nobody holds any more: another may be given its place in memory."""
-    alive = writer()
-    if alive is not None:
-        alive._stored.pop(key, None)
+        """Forget how parts were stored that one group alone has so far: that takes as much memory again."""
+        for part in [part for part, stored in self._stored.items() if not stored.shared]:
+            del self._stored[part]
 
 
 def _above(key: str) -> list[str]:
@@ -282,7 +303,7 @@ def read(
         If the group is missing, cannot be decoded or is not the one recorded.
     """
     values, attributes = _read(home, group, arrays, metadata, group_metadata, member)
-    return fields.joined(kind, values, attributes)
+    return fields.joined(kind, values, attributes, arrays)
 
 
 def read_recorded(
@@ -323,7 +344,7 @@ def restored(written: Written, kind: type[Result]) -> Result:
         if name not in found:
             found[name] = _as_read(written.values[name])
             compared.hold(found[name], recorded)
-    return fields.joined(kind, found, written.attributes)
+    return fields.joined(kind, found, written.attributes, written.arrays)
 
 
 def _as_read(array: NDArray[Any]) -> NDArray[Any]:

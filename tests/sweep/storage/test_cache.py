@@ -12,10 +12,19 @@ NUMBERS = 1000
 BYTES = 8 * NUMBERS
 
 
+@dataclass(frozen=True, eq=False)
+class Shared:
+    array: np.ndarray
+
+    @cached_property
+    def derived(self) -> dict[str, np.ndarray]:
+        return {}
+
+
 @dataclass(frozen=True)
 class Result:
     own: np.ndarray
-    shared: np.ndarray
+    shared: Shared
     name: str = "a"
 
     @cached_property
@@ -25,7 +34,7 @@ class Result:
 
 @pytest.fixture
 def shared():
-    return np.zeros(NUMBERS)
+    return Shared(np.zeros(NUMBERS))
 
 
 def filled(cache, count, shared, start=0):
@@ -39,10 +48,32 @@ def held(cache, results):
     return [key for key, result in results.items() if cache.get(key) is result]
 
 
-def test_an_array_that_results_have_in_common_counts_once(shared):
+def test_what_results_share_counts_once(shared):
     cache = Cache(11 * BYTES)
     results = filled(cache, 10, shared)
     assert held(cache, results) == list(results)
+
+
+def test_what_results_share_counts_as_long_as_one_of_them_is_held(shared):
+    cache = Cache(20 * BYTES)
+    first = filled(cache, 4, Shared(np.zeros(8 * NUMBERS)))
+    assert held(cache, first) == list(first)
+    later = filled(cache, 12, shared, start=4)
+    assert held(cache, later) == list(later)
+    assert held(cache, first) == []
+    more = filled(cache, 5, shared, start=16)
+    assert held(cache, later | more) == [*later, *more]
+
+
+def test_what_is_derived_from_what_results_share_counts_once(shared):
+    cache = Cache(40 * BYTES)
+    results = filled(cache, 4, shared)
+    shared.derived["forces"] = np.zeros(18 * NUMBERS)
+    results |= filled(cache, UNMEASURED, shared, start=4)
+    assert held(cache, results) == list(results)
+    shared.derived["more forces"] = np.zeros(18 * NUMBERS)
+    filled(cache, UNMEASURED, Shared(np.zeros(0)), start=20)
+    assert held(cache, results) == []
 
 
 def test_what_was_used_last_is_held(shared):

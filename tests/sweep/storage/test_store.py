@@ -33,27 +33,39 @@ class Spectrum:
     extra: np.ndarray | None = field(default=None, metadata={"dims": ("extra",)})
 
 
-@dataclass(frozen=True)
-class Table:
-    """What lies in one group with others that have the same frequencies."""
+@dataclass(frozen=True, eq=False)
+class Edges:
+    edge: np.ndarray = field(metadata={"dims": ("edge",), "unit": "1"})
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """What tables share."""
 
     frequency: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "Hz"})
-    transfer: np.ndarray = field(
-        metadata={"dims": ("frequency",), "unit": "m2/N", "called_by": "name", "own": "receiver"}
-    )
-    name: str = field(metadata={"own": "receiver"})
-    offset: float = field(metadata={"own": "receiver"})
+    edges: Edges = field(metadata={"shared_by": "level"})
     level: int
 
 
-COMMON = np.array([1.0, 2.0])
+@dataclass(frozen=True)
+class Table:
+    """What lies in one group with others that share its grid."""
+
+    grid: Grid = field(metadata={"shared_by": "receiver"})
+    transfer: np.ndarray = field(metadata={"dims": ("frequency",), "unit": "m2/N", "called_by": "name"})
+    name: str
+    offset: float
+
+
+EDGES = Edges(np.array([0.0, 1.0, 2.0]))
+GRID = Grid(np.array([1.0, 2.0]), EDGES, 3)
 TABLES = {
-    "8": Table(COMMON, np.array([1.0, 2.0j]), "ground", math.nan, 3),
-    "12.5": Table(COMMON, np.array([3.0, 4.0j]), "ground", 12.5, 3),
-    "24": Table(COMMON.copy(), np.array([5.0, 6.0j]), "ground", 24.0, 3),
-    "rail": Table(COMMON, np.array([7.0, 8.0j]), "rail", math.nan, 3),
+    "8": Table(GRID, np.array([1.0, 2.0j]), "ground", math.nan),
+    "12.5": Table(GRID, np.array([3.0, 4.0j]), "ground", 12.5),
+    "24": Table(dataclasses.replace(GRID), np.array([5.0, 6.0j]), "ground", 24.0),
+    "rail": Table(GRID, np.array([7.0, 8.0j]), "rail", math.nan),
 }
-"""By label. The third one has other frequencies, though they are as large, and the last one another name."""
+"""By label. The third one has a grid of its own, though it is the same, and the last one another name."""
 
 
 def example():
@@ -187,9 +199,17 @@ def test_arrays_of_wrong_shape_are_refused(tmp_path, spectrum):
     assert list(tmp_path.iterdir()) == []
 
 
+def assert_same_table(one, other):
+    np.testing.assert_equal(one.transfer, other.transfer)
+    np.testing.assert_equal((one.name, one.offset), (other.name, other.offset))
+    np.testing.assert_equal(one.grid.frequency, other.grid.frequency)
+    np.testing.assert_equal(one.grid.edges.edge, other.grid.edges.edge)
+    assert one.grid.level == other.grid.level
+
+
 def stored_together(home, *labels):
     """Store tables as one group; return what was written by label."""
-    made = {label: fields.split(TABLES[label]).saying(unit_id=f"id-{label}") for label in labels}
+    made = {label: fields.split(TABLES[label]).with_attributes(unit_id=f"id-{label}") for label in labels}
     return dict(zip(labels, store.Writer(home).together("table/1", made, {"kind": "table"}), strict=True))
 
 
@@ -207,15 +227,16 @@ def read_member(tmp_path, request):
 
 
 def test_results_that_differ_in_what_is_their_own_lie_together():
-    sharing = {label: fields.split(table).sharing for label, table in TABLES.items()}
-    assert sharing["8"] == sharing["12.5"]
-    assert len(set(sharing.values())) == 3
+    keys = {label: fields.split(table).group_key for label, table in TABLES.items()}
+    assert keys["8"] == keys["12.5"]
+    assert len(set(keys.values())) == 3
     longer = dataclasses.replace(TABLES["8"], transfer=np.zeros(3))
     with pytest.raises(ValueError, match="3 along frequency"):
         fields.split(longer)
-    for changed in ({"level": 4}, {"transfer": np.zeros(2)}):  # real numbers lie not among complex ones
+    level = dataclasses.replace(GRID, level=4)
+    for changed in ({"grid": level}, {"transfer": np.zeros(2)}):  # real numbers do not lie among complex ones
         other = dataclasses.replace(TABLES["8"], **changed)
-        assert fields.split(other).sharing != sharing["8"]
+        assert fields.split(other).group_key != keys["8"]
 
 
 @pytest.mark.parametrize("chunk_bytes", [20, store.CHUNK_BYTES])
@@ -224,20 +245,20 @@ def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member, monkeyp
     written = stored_together(tmp_path, "8", "12.5")
     assert written["8"].group == written["12.5"].group
     folder = tmp_path / store.STORE / written["8"].group
-    assert sorted(path.name for path in folder.iterdir()) == ["frequency", "ground", "zarr.json"]
+    assert sorted(path.name for path in folder.iterdir()) == ["edge", "frequency", "ground", "zarr.json"]
     assert sum(each.bytes_written for each in written.values()) == sum(
         path.stat().st_size for path in folder.rglob("*") if path.is_file()
     )
     for label, each in written.items():
-        assert_equal(read_member(each), TABLES[label])
-        assert_equal(store.restored(each, Table), TABLES[label])
+        assert_same_table(read_member(each), TABLES[label])
+        assert_same_table(store.restored(each, Table), TABLES[label])
         store.check(tmp_path, each.recorded())
         stored = store.read_array(tmp_path, each.group, each.member, "ground")
         np.testing.assert_array_equal(stored, TABLES[label].transfer)
         stored = store.read_array(tmp_path, each.group, each.member, "frequency")
-        np.testing.assert_array_equal(stored, COMMON)
+        np.testing.assert_array_equal(stored, GRID.frequency)
     arrays, attributes = store.read_recorded(tmp_path, written["12.5"].recorded())
-    assert arrays.keys() == {"frequency", "ground"}
+    assert arrays.keys() == {"edge", "frequency", "ground"}
     said = {"name": "ground", "offset": 12.5, "unit_id": "id-12.5"}
     assert attributes == {"kind": "table", "level": 3, **said}
 
@@ -262,7 +283,7 @@ def test_a_result_is_the_same_whichever_others_lie_with_it(tmp_path, read_member
     beside = stored_together(tmp_path, "8", "12.5")["12.5"]
     assert alone.group != beside.group
     assert (alone.arrays, alone.attributes) == (beside.arrays, beside.attributes)
-    assert_equal(read_member(alone), read_member(beside))
+    assert_same_table(read_member(alone), read_member(beside))
 
 
 @pytest.mark.parametrize(("damaged", "hit"), [("frequency/c.0", {"8", "12.5"}), ("ground/c.1.0", {"12.5"})])
@@ -276,7 +297,7 @@ def test_damage_of_one_array_is_that_of_the_results_that_have_it(tmp_path, read_
             with pytest.raises(store.DamagedError, match="table/1"):
                 store.check(tmp_path, each.recorded())
         else:
-            assert_equal(read_member(each), TABLES[label])
+            assert_same_table(read_member(each), TABLES[label])
             store.check(tmp_path, each.recorded())
 
 
@@ -309,7 +330,8 @@ def test_a_record_that_names_another_result_is_damage(tmp_path, read_member):
 
 
 def test_results_that_differ_in_other_things_are_refused(tmp_path):
-    for other in (TABLES["24"], TABLES["rail"], dataclasses.replace(TABLES["8"], level=4)):
+    level = dataclasses.replace(TABLES["8"], grid=dataclasses.replace(GRID, level=4))
+    for other in (TABLES["24"], TABLES["rail"], level):
         named = {"one": fields.split(TABLES["8"]), "other": fields.split(other)}
         with pytest.raises(ValueError, match="differ in what is not their own"):
             store.Writer(tmp_path).together("table/1", named, {})
@@ -375,7 +397,7 @@ def test_another_result_for_the_same_unit_leaves_the_first_one_alone(tmp_path, s
 
 
 @pytest.mark.parametrize("linking", [True, False])
-def test_what_results_have_in_common_is_stored_once(tmp_path, spectrum, monkeypatch, linking):
+def test_what_results_share_is_stored_once(tmp_path, monkeypatch, linking):
     """Each group is whole for any reader, also where a file system gives files no second name."""
     if not linking:
         link = os.link
@@ -387,66 +409,102 @@ def test_what_results_have_in_common_is_stored_once(tmp_path, spectrum, monkeypa
 
         monkeypatch.setattr(os, "link", of_records_alone)
     writer = store.Writer(tmp_path)
-    other = dataclasses.replace(spectrum, transfer=2.0 * spectrum.transfer)
-    first, second = (writer(f"spectrum/{n}", made, {}) for n, made in enumerate((spectrum, other)))
+    made = [TABLES["8"], TABLES["rail"]]
+    first, second = (writer(f"table/{n}", table, {}) for n, table in enumerate(made))
     assert second.arrays["frequency"] == first.arrays["frequency"]
-    files = [tmp_path / store.STORE / each.group / "frequency" / "c.0" for each in (first, second)]
-    assert files[0].samefile(files[1]) is linking
-    heads = [path.parents[1] / "transfer" / "zarr.json" for path in files]
-    assert heads[0].samefile(heads[1]) is linking  # the same is said of both, though they are not the same
-    assert (second.bytes_written < first.bytes_written) is linking
-    assert not os.path.samefile(*(path.parents[1] / "transfer" / "c.0.0" for path in files))
-    for written, made in ((first, spectrum), (second, other)):
-        alone = store.write(tmp_path / "alone", written.group.rpartition("-")[0], made, {})
+    for name in ("frequency", "edge"):
+        files = [tmp_path / store.STORE / each.group / name / "c.0" for each in (first, second)]
+        assert files[0].samefile(files[1]) is linking
+    other = writer("table/2", dataclasses.replace(TABLES["8"], transfer=2.0 * TABLES["8"].transfer), {})
+    folders = [tmp_path / store.STORE / each.group / "ground" for each in (first, other)]
+    # The same is said of both, though they are not the same.
+    assert os.path.samefile(*(folder / "zarr.json" for folder in folders)) is linking
+    assert not os.path.samefile(*(folder / "c.0" for folder in folders))
+    assert (other.bytes_written < first.bytes_written) is linking
+    for written, table in zip((first, second), made, strict=True):
+        alone = store.write(tmp_path / "alone", written.group.rpartition("-")[0], table, {})
         assert (alone.group, alone.arrays, alone.metadata) == (
             written.group,
             written.arrays,
             written.metadata,
         )
-        assert_equal(read(tmp_path, written), made)
+        assert_same_table(store.read(tmp_path, written.group, Table, written.arrays), table)
         with xarray.open_zarr(tmp_path / store.STORE / written.group) as dataset:
-            np.testing.assert_array_equal(dataset.transfer.values, made.transfer)
-            assert dataset.transfer.dims == ("frequency", "node")
+            np.testing.assert_array_equal(dataset[table.name].values, table.transfer)
+            assert dataset[table.name].dims == ("frequency",)
 
 
-def test_settling_lets_go_of_what_one_result_alone_has_had(tmp_path, spectrum):
+def test_what_further_groups_share_in_turn_is_stored_once(tmp_path):
+    """Grids of two levels have the same edges."""
     writer = store.Writer(tmp_path)
-    results = [dataclasses.replace(spectrum, transfer=each * spectrum.transfer) for each in (1.0, 2.0, 3.0)]
-    groups = [writer(f"spectrum/{n}", made, {}).group for n, made in enumerate(results[:2])]
+    finer = dataclasses.replace(TABLES["8"], grid=Grid(np.array([1.0, 2.5]), EDGES, 4))
+    folders = [
+        tmp_path / store.STORE / writer(f"table/{n}", table, {}).group
+        for n, table in enumerate((TABLES["8"], finer))
+    ]
+    assert os.path.samefile(*(folder / "edge" / "c.0" for folder in folders))
+    assert not os.path.samefile(*(folder / "frequency" / "c.0" for folder in folders))
+
+
+def test_settling_forgets_what_one_group_alone_has(tmp_path):
+    writer = store.Writer(tmp_path)
+    tables = [dataclasses.replace(TABLES["8"], transfer=n * TABLES["8"].transfer) for n in range(3)]
+    alone = dataclasses.replace(TABLES["8"], grid=Grid(np.array([3.0, 4.0]), Edges(np.array([0.0, 1.0])), 3))
+    groups = [writer(f"table/{n}", table, {}).group for n, table in enumerate((*tables[:2], alone))]
     writer.settle()
-    groups.append(writer("spectrum/2", results[2], {}).group)
-    groups.append(writer("spectrum/3", results[0], {}).group)
-    first, *others = (tmp_path / store.STORE / group for group in groups)
-    assert all((first / "frequency" / "c.0").samefile(each / "frequency" / "c.0") for each in others)
-    again = others[-1] / "transfer" / "c.0.0"
-    assert not (first / "transfer" / "c.0.0").samefile(again)
-    assert (first / "transfer" / "c.0.0").read_bytes() == again.read_bytes()
+    groups += [writer(f"table/{n}", table, {}).group for n, table in enumerate((tables[2], alone), start=3)]
+    frequency = [tmp_path / store.STORE / group / "frequency" / "c.0" for group in groups]
+    assert frequency[0].samefile(frequency[1])
+    assert frequency[0].samefile(frequency[3])
+    assert not frequency[2].samefile(frequency[4])
+    assert frequency[2].read_bytes() == frequency[4].read_bytes()
 
 
-def test_an_array_in_the_place_of_one_that_is_gone_is_another(tmp_path, spectrum):
+def test_what_is_in_the_place_of_something_that_is_gone_is_another(tmp_path):
     writer = store.Writer(tmp_path)
     written = []
-    for factor in range(20):  # each product takes the memory of the one before
-        made = dataclasses.replace(spectrum, transfer=factor * spectrum.transfer)
-        written.append(writer("spectrum/1", made, {}))
-        del made
+    for factor in range(20):  # each grid takes the memory of the one before
+        grid = Grid(factor * GRID.frequency, EDGES, 3)
+        written.append(writer("table/1", Table(grid, GRID.frequency, "ground", 0.0), {}))
+        del grid
     for factor, each in enumerate(written):
-        np.testing.assert_array_equal(read(tmp_path, each).transfer, factor * spectrum.transfer)
+        found = store.read(tmp_path, each.group, Table, each.arrays)
+        np.testing.assert_array_equal(found.grid.frequency, factor * GRID.frequency)
 
 
-def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path, spectrum):
+def test_results_that_are_read_share_one_object(tmp_path):
+    """Whether they lie in one group or not, and as long as one of them is in memory."""
     writer = store.Writer(tmp_path)
-    other = dataclasses.replace(spectrum, transfer=2.0 * spectrum.transfer)
-    first, second = (writer(f"spectrum/{n}", made, {}) for n, made in enumerate((spectrum, other)))
-    path = tmp_path / store.STORE / first.group / "frequency" / "c.0"
+    rail = writer("table/rail", TABLES["rail"], {})
+    ground = stored_together(tmp_path, "8", "12.5")
+    records = [each.recorded() for each in (rail, *ground.values())]
+    one, other, third = (store.read(tmp_path, kind=Table, **record) for record in records)
+    assert one.grid is other.grid is third.grid
+    assert store.restored(ground["8"], Table).grid is one.grid
+    for changed, same_edges in (
+        (Grid(GRID.frequency, EDGES, 4), True),
+        (Grid(GRID.frequency, Edges(np.zeros(3)), 3), False),
+    ):
+        written = writer("table/2", dataclasses.replace(TABLES["8"], grid=changed), {})
+        found = store.read(tmp_path, kind=Table, **written.recorded())
+        assert found.grid is not one.grid
+        assert (found.grid.edges is one.grid.edges) is same_edges
+    plain = store.read(tmp_path, ground["8"].group, Table, member="8")  # with no record of the content
+    assert plain.grid is not one.grid
+
+
+def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path):
+    writer = store.Writer(tmp_path)
+    made = [TABLES["8"], TABLES["rail"]]
+    written = [writer(f"table/{n}", table, {}) for n, table in enumerate(made)]
+    path = tmp_path / store.STORE / written[0].group / "frequency" / "c.0"
     path.write_bytes(path.read_bytes()[:-8])
-    for written in (first, second):
+    for each in written:
         with pytest.raises(store.DamagedError):
-            read(tmp_path, written)
-    store.write(tmp_path, "spectrum/0", spectrum, {})
-    assert_equal(read(tmp_path, first), spectrum)
-    store.write(tmp_path, "spectrum/1", other, {})
-    assert_equal(read(tmp_path, second), other)
+            store.read(tmp_path, each.group, Table, each.arrays)
+    for n, (each, table) in enumerate(zip(written, made, strict=True)):
+        store.write(tmp_path, f"table/{n}", table, {})
+        assert_same_table(store.read(tmp_path, each.group, Table, each.arrays), table)
 
 
 def test_what_is_said_of_arrays_is_compared_also_where_some_are_in_memory(tmp_path, spectrum):

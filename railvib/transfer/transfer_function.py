@@ -1,0 +1,207 @@
+"""The transfer function of one receiver, read from its tables.
+
+Between the frequencies of a table the ground's compliance is interpolated, and the track is put on it
+exactly: rails on pads resonate more sharply than damped ground, and would ask for many more frequencies.
+"""
+
+from collections.abc import Callable, Iterable
+from functools import cached_property
+
+import numpy as np
+
+from railvib.numerics import frequency_blocks as blocks
+from railvib.parameters.track import Track
+from railvib.transfer.interpolate import Tables, interpolated, joined
+from railvib.transfer.table import TransferBlock, interpolate_with_waves, multiply_by_waves
+from railvib.transfer.track_response import track_response
+
+
+class TransferFunction:
+    """The transfer function of one receiver over all its blocks.
+
+    Parameters
+    ----------
+    tables
+        The tables of its blocks.
+    track
+        The track on the ground, to be put exactly on interpolated compliances. Without it, as for tables that
+        hold no compliance, the transfer function itself is interpolated.
+    """
+
+    def __init__(self, tables: Iterable[TransferBlock], track: Track | None = None) -> None:
+        self.blocks = {table.block: table for table in sorted(tables, key=lambda table: table.block)}
+        self.track = track
+        self.lowest = float(blocks.edges(min(self.blocks))[0])
+        self.highest = float(blocks.edges(max(self.blocks))[1])
+        self.reach = min(table.nodes.largest for table in self.blocks.values())
+
+    @cached_property
+    def _under_track(self) -> Tables | None:
+        """The ground's compliance under the track over all blocks, if it is known."""
+        shared = [table.shared for table in self.blocks.values()]
+        rows = [each.rows(each.compliance) for each in shared if each.compliance is not None]
+        return joined(rows) if len(rows) == len(shared) else None
+
+    @cached_property
+    def _rail(self) -> Tables:
+        return joined([table.shared.rows(table.transfer) for table in self.blocks.values()])
+
+    def at(self, block: int, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Interpolate to other frequencies of a block, on its nodes.
+
+        Parameters
+        ----------
+        block
+            Index of the block.
+        frequency
+            Hz, (n,), inside the block.
+
+        Returns
+        -------
+        wavenumber, transfer : ndarray, shape (n, node)
+            Wavenumbers in rad/m, and the transfer function there in m²/N.
+        """
+        table = self.blocks[block]
+        beta = table.nodes.wavenumber(frequency)
+
+        def interpolate(rows: np.ndarray) -> np.ndarray:
+            return blocks.interpolated(block, table.level, frequency, rows)
+
+        def with_waves(rows: np.ndarray) -> np.ndarray:
+            value = interpolate(rows)
+            omega = 2.0 * np.pi * frequency
+            one = np.ones((1, beta.shape[1]), complex).view(float)
+            parts = value.view(float)
+            multiply_by_waves(parts, one, omega, table.node_slowness, beta, table.distance, 1.0, parts)
+            return value
+
+        return beta, _transfer(table, self.track, frequency, beta, interpolate, with_waves)
+
+    def response(self, wavenumber: np.ndarray, omega: np.ndarray, *, into_halo: bool = False) -> np.ndarray:
+        """Interpolate the rail's response to any wavenumbers and frequencies.
+
+        Parameters
+        ----------
+        wavenumber
+            β, rad/m, any shape, up to the tables' largest.
+        omega
+            Angular frequency ω̂, rad/s, of the same shape; negative values give the conjugate, values below
+            the tables the static limit.
+        into_halo
+            Whether frequencies may lie beyond the tables' upper edge, in the halo of the highest.
+
+        Returns
+        -------
+        ndarray of complex
+            m²/N.
+
+        Raises
+        ------
+        ValueError
+            If a frequency lies above the tables.
+        """
+        beta = np.minimum(np.abs(wavenumber), self.reach)
+        f = np.maximum(np.abs(omega) / (2.0 * np.pi), self.lowest)
+        if f.size and f.max() > self.highest * (1.0 + 1e-9) and not into_halo:
+            raise ValueError(f"frequency {f.max():g} Hz lies above the tabulated {self.highest:g} Hz")
+        under = self._under_track
+        if self.track is None or under is None:
+            value = interpolated(self._rail, f, beta)
+        else:
+            value, _force = track_response(self.track, beta, 2.0 * np.pi * f, interpolated(under, f, beta))
+        np.conjugate(value, out=value, where=omega < 0.0)
+        return value
+
+    def along(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
+        """Interpolate at one wavenumber per frequency, for any receiver.
+
+        Zero beyond the tables, and where the field is negligible, see `TransferBlock.last`.
+
+        Parameters
+        ----------
+        frequency
+            Hz, (n,), positive.
+        wavenumber
+            β, rad/m, (n,).
+
+        Returns
+        -------
+        ndarray of complex, shape (n,)
+            m²/N.
+        """
+        beta = np.abs(wavenumber)
+        block_of = blocks.assigned(frequency, self.blocks)
+        value = np.zeros(beta.shape, complex)
+        for block in np.unique(block_of):
+            table = self.blocks[int(block)]
+            inside = (block_of == block) & (beta <= np.minimum(table.last(frequency), table.nodes.largest))
+            if not inside.any():
+                continue
+            # A load that moves steadily needs few panels: the others are not reduced.
+            first, last = table.nodes.panels(frequency[inside], beta[inside])
+            if 2 * (last + 1 - first) < table.nodes.panel_count:
+                table = table.part(first, last)
+            value[inside] = _at_points(table, self.track, frequency[inside], beta[inside])
+        return value
+
+
+def _at_points(
+    table: TransferBlock, track: Track | None, frequency: np.ndarray, wavenumber: np.ndarray
+) -> np.ndarray:
+    """Return a transfer function at pairs of frequency and wavenumber inside its table, (n,)."""
+
+    def interpolate(rows: np.ndarray) -> np.ndarray:
+        return interpolated(joined([table.shared.rows(rows)]), frequency, wavenumber)[:, None]
+
+    def with_waves(rows: np.ndarray) -> np.ndarray:
+        value = interpolate_with_waves(
+            *blocks.stencils(table.block, table.level, frequency),
+            rows.view(float),
+            table.nodes.panel_edges(frequency),
+            2.0 * np.pi * frequency,
+            table.node_slowness,
+            wavenumber,
+            table.distance,
+        )
+        return np.asarray(value).view(complex)
+
+    return _transfer(table, track, frequency, wavenumber[:, None], interpolate, with_waves)[:, 0]
+
+
+def _transfer(
+    table: TransferBlock,
+    track: Track | None,
+    frequency: np.ndarray,
+    wavenumber: np.ndarray,
+    interpolate: Callable[[np.ndarray], np.ndarray],
+    with_waves: Callable[[np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Return a transfer function at places to which rows of its table are interpolated.
+
+    Parameters
+    ----------
+    table, track
+        The table, and the track to be put on it, as in `TransferFunction`.
+    frequency, wavenumber
+        The places: Hz, (n,), and rad/m, (n, m).
+    interpolate
+        Interpolates the rows of an array (frequency, node) of the table to the places.
+    with_waves
+        The same with the reference waves' decay put back.
+
+    Returns
+    -------
+    ndarray of complex, shape (n, m)
+        m²/N.
+    """
+    if track is None or table.shared.compliance is None:
+        return with_waves(table.reduced(track))
+    under = interpolate(table.shared.compliance)
+    omega = 2.0 * np.pi * frequency[:, None]
+    rail, force = track_response(track, wavenumber, omega, under)
+    if table.receiver == "rail":
+        return rail
+    if table.offset == 0.0:
+        return np.asarray(force * under)
+    force *= with_waves(table.reduced(track))
+    return force
