@@ -1,1 +1,1 @@
-"""Speed on this machine, beside what a user could run instead and what the machine could do at most."""
+"""Speed on this machine, beside other ways to the same numbers and the limit of the processor."""

@@ -1,5 +1,5 @@
-"""Measures railvib on this machine."""
+"""Runs the benchmark: ``python -m benchmarks``."""
 
 from benchmarks.cli import benchmark
 
-benchmark()
+benchmark(prog_name="python -m benchmarks")

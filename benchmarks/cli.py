@@ -30,19 +30,19 @@ SECTIONS = ("kernel", "transfer", "study", "growth")
     help="Folder for the JSON file of this run, and the database of all runs in it.",
 )
 def benchmark(only: str, size: str, out: Path) -> None:
-    """Measure railvib on this machine, against what one could run instead and against the machine's limit.
+    """Measure railvib on this machine, against other ways and against the limit of the processor.
 
-    Let nothing else run meanwhile. Times of tests and of a cluster are not touched.
+    Let nothing else run meanwhile.
     """
-    wanted = [name.strip() for name in only.split(",")]
-    unknown = [name for name in wanted if name not in SECTIONS]
+    names = [name.strip() for name in only.split(",")]
+    unknown = [name for name in names if name not in SECTIONS]
     if unknown:
         raise click.UsageError(f"--only = {unknown[0]!r}: must be of {', '.join(SECTIONS)}")
 
     from rich.console import Console
     from rich.markup import escape
 
-    from benchmarks import database, sections, table
+    from benchmarks import database, document, table
     from benchmarks.figures import Figure
     from benchmarks.sizes import SIZES
 
@@ -52,8 +52,9 @@ def benchmark(only: str, size: str, out: Path) -> None:
         text = f"{figure.section}: {figure.item}, {figure.case}, {figure.quantity}"
         console.print(f"{escape(text)} {table.number(figure.median)} {figure.unit}", highlight=False)
 
-    ordered = [name for name in SECTIONS if name in wanted]
-    file, document, figures = sections.measure(SIZES[size], ordered, out, report)
-    table.show(Console(), document, figures)
-    database.after_benchmark(out)
+    ordered = [name for name in SECTIONS if name in names]
+    content, figures = document.measure(SIZES[size], ordered, report)
+    file = document.write(content, out)
+    table.show(Console(), content, figures)
+    click.echo(f"database  {database.rebuild(out)}")
     click.echo(f"figures   {file}")

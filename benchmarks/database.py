@@ -1,4 +1,4 @@
-"""The database of benchmarks: derived from the JSON files that they leave in a folder, one row per figure."""
+"""The database of benchmarks: built from the JSON files in a folder, one row per figure."""
 
 import json
 import os
@@ -18,21 +18,17 @@ _FIGURE = (
 )  # fmt: skip
 
 
-def ingest(folder: Path) -> Path:
-    """Make the database of all benchmarks in a folder anew, and put it in place in one step."""
+def rebuild(folder: Path) -> Path:
+    """Rebuild the database of all benchmarks in a folder and replace the previous one in one step."""
     path = folder / DATABASE
-    fresh = folder / f"{DATABASE}.{os.getpid()}.partial"
-    fresh.unlink(missing_ok=True)
-    with schema.open_for_writing(fresh) as connection:
-        connection.execute(_tables())
+    partial = folder / f"{DATABASE}.{os.getpid()}.partial"
+    partial.unlink(missing_ok=True)
+    with schema.open_for_writing(partial) as connection:
+        connection.execute((resources.files("benchmarks") / "database.sql").read_text("utf-8"))
         for file in sorted(folder.glob("benchmark-*.json")):
             _add(connection, file.stem, json.loads(file.read_text(encoding="utf-8")))
-    fresh.replace(path)
+    partial.replace(path)
     return path
-
-
-def _tables() -> str:
-    return (resources.files("benchmarks") / "database.sql").read_text("utf-8")
 
 
 def _add(connection: duckdb.DuckDBPyConnection, name: str, document: dict[str, Any]) -> None:
@@ -49,8 +45,3 @@ def _add(connection: duckdb.DuckDBPyConnection, name: str, document: dict[str, A
     rows = [[name, *(figure[key] for key in _FIGURE)] for figure in document["figures"]]
     if rows:
         connection.executemany(f"INSERT INTO figures VALUES ({', '.join('?' * len(rows[0]))})", rows)
-
-
-def after_benchmark(folder: Path | str) -> None:
-    """Bring the database of a folder up to date with a benchmark that has just ended, and say where it is."""
-    print(f"database  {ingest(Path(folder))}")

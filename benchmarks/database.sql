@@ -1,11 +1,11 @@
--- Tables of the database of benchmarks, benchmarks.duckdb; it is made anew from the JSON files each time.
+-- Tables of benchmarks.duckdb, which is rebuilt from the JSON files after every benchmark.
 
 CREATE TABLE benchmarks (
     benchmark VARCHAR PRIMARY KEY, started TIMESTAMP, finished TIMESTAMP, size VARCHAR, host VARCHAR, host_class VARCHAR,
     processors INTEGER, load_before DOUBLE, load_after DOUBLE, git_commit VARCHAR, model_version VARCHAR, versions JSON,
     operations_per_s DOUBLE, divisions_per_s DOUBLE, roots_per_s DOUBLE
 );
-COMMENT ON TABLE benchmarks IS 'One row per run of railvib benchmark';
+COMMENT ON TABLE benchmarks IS 'One row per run of the benchmark';
 COMMENT ON COLUMN benchmarks.benchmark IS 'Name of its file';
 COMMENT ON COLUMN benchmarks.started IS 'Start, UTC';
 COMMENT ON COLUMN benchmarks.finished IS 'End, UTC';
@@ -28,7 +28,7 @@ CREATE TABLE figures (
     at_most DOUBLE, holds BOOLEAN
 );
 COMMENT ON TABLE figures IS 'One row per measured or derived quantity';
-COMMENT ON COLUMN figures.benchmark IS 'Run it is from, see benchmarks';
+COMMENT ON COLUMN figures.benchmark IS 'Run of the benchmark, see benchmarks';
 COMMENT ON COLUMN figures.section IS 'Part of the benchmark: kernel, transfer, study or growth';
 COMMENT ON COLUMN figures.item IS 'What was measured';
 COMMENT ON COLUMN figures."case" IS 'Under which conditions';
@@ -38,6 +38,6 @@ COMMENT ON COLUMN figures.samples IS 'Values, one per repetition';
 COMMENT ON COLUMN figures.median IS 'Median of the samples';
 COMMENT ON COLUMN figures.lower_quartile IS 'A quarter of the samples lies below';
 COMMENT ON COLUMN figures.upper_quartile IS 'A quarter of the samples lies above';
-COMMENT ON COLUMN figures.at_least IS 'The median aimed at, at least';
-COMMENT ON COLUMN figures.at_most IS 'The median aimed at, at most';
-COMMENT ON COLUMN figures.holds IS 'Whether the median is where it is aimed at; NULL without an aim';
+COMMENT ON COLUMN figures.at_least IS 'Target: the median is at least this';
+COMMENT ON COLUMN figures.at_most IS 'Target: the median is at most this';
+COMMENT ON COLUMN figures.holds IS 'Whether the median meets the target; NULL without a target';

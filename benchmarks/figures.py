@@ -1,4 +1,4 @@
-"""What a benchmark measures: figures with their samples, and the way from a function to samples."""
+"""Figures of the benchmark with their samples, and the way from a call to samples."""
 
 import time
 from collections.abc import Callable, Iterable
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 SAMPLE_S = 0.02
-"""A sample lasts this long at least: shorter calls are repeated within it."""
+"""Shortest duration of a sample: shorter calls are repeated within it."""
 
 
 @dataclass(frozen=True)
@@ -18,14 +18,13 @@ class Figure:
     Attributes
     ----------
     section, item, case, quantity
-        What was measured: the part of the benchmark, the thing, under which conditions, and which of its
-        quantities.
+        The part of the benchmark, the thing measured, the conditions, and which of its quantities.
     unit
         Unit of the samples.
     samples
-        Values, one per repetition; of a derived quantity one.
+        Values, one per repetition; a derived quantity has one.
     at_least, at_most
-        What is aimed at, where something is.
+        The target, if there is one.
     """
 
     section: str
@@ -48,7 +47,7 @@ class Figure:
 
     @property
     def holds(self) -> bool | None:
-        """Whether the median is where it is aimed at; None without an aim."""
+        """Whether the median meets the target; None without a target."""
         if self.at_least is None and self.at_most is None:
             return None
         return (self.at_least is None or self.median >= self.at_least) and (
@@ -68,33 +67,29 @@ class Figure:
 
 @dataclass(frozen=True)
 class Timing:
-    """Wall and processor seconds of one call, a value per sample."""
+    """Wall and CPU seconds of one call, a value per sample."""
 
     wall_s: tuple[float, ...]
     cpu_s: tuple[float, ...]
 
     @property
     def cpu(self) -> float:
-        """Median of the processor seconds."""
+        """Median of the CPU seconds."""
         return float(np.median(self.cpu_s))
 
     def figures(self, section: str, item: str, case: str, at_most: float | None = None) -> list[Figure]:
-        """Return processor and wall seconds as figures; an aim is one for the processor's."""
+        """Return CPU and wall seconds as figures; the target is one for CPU seconds."""
         return [
             Figure(section, item, case, "cpu", "s", self.cpu_s, at_most=at_most),
             Figure(section, item, case, "wall", "s", self.wall_s),
         ]
 
 
-def timed(call: Callable[[], object], samples: int, sample_s: float = SAMPLE_S) -> Timing:
-    """Measure a call after one that warms caches up; this process's CPU seconds, all threads together."""
-    started = time.perf_counter()
-    call()
-    once = time.perf_counter() - started
+def time_call(call: Callable[[], object], samples: int, sample_s: float = SAMPLE_S) -> Timing:
+    """Measure a call after a first one that warms caches; CPU seconds are of this process, all threads."""
+    once = _seconds(call)
     if once < sample_s:  # the first call may have compiled
-        started = time.perf_counter()
-        call()
-        once = time.perf_counter() - started
+        once = _seconds(call)
     repetitions = max(1, int(np.ceil(sample_s / max(once, 1e-7))))
     walls, cpus = [], []
     for _ in range(samples):
@@ -104,6 +99,12 @@ def timed(call: Callable[[], object], samples: int, sample_s: float = SAMPLE_S) 
         walls.append((time.perf_counter() - wall) / repetitions)
         cpus.append((time.process_time() - cpu) / repetitions)
     return Timing(tuple(walls), tuple(cpus))
+
+
+def _seconds(call: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
 
 
 def slope(x: Iterable[float], y: Iterable[float]) -> float:

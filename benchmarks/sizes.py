@@ -1,4 +1,4 @@
-"""How much a benchmark measures."""
+"""Sizes of a benchmark: how much is measured."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ class Size:
     Attributes
     ----------
     name
-        What a user calls it.
+        Name on the command line.
     samples
         Repetitions of a timed call.
     wavenumbers
@@ -18,7 +18,7 @@ class Size:
     bands
         Numbers n of the one-third octaves 10^(n/10) Hz at which transfer functions are compared.
     textbook_s
-        Seconds spent on the rows of one textbook table; the others are extrapolated.
+        Seconds for the rows of one textbook table; the other rows are extrapolated.
     runs
         Repetitions of the study's warm run.
     bands_hz
@@ -28,7 +28,7 @@ class Size:
     growth
         Per axis the values at which growth is measured.
     rounds
-        How often the ends of an axis are run, in turn: what else the machine does makes one run say little.
+        How often both ends of an axis are run, in turn: a single run depends on the load of the machine.
     """
 
     name: str

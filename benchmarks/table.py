@@ -1,4 +1,4 @@
-"""The benchmark's tables as a person reads them; in a file they are Markdown."""
+"""Tables of the benchmark for a terminal, or in Markdown for a file."""
 
 from collections.abc import Iterable, Mapping
 from itertools import groupby
@@ -12,12 +12,12 @@ from rich.table import Table
 from benchmarks.figures import Figure
 
 _SMALL, _LARGE = 1e-3, 1e5
-_SHARING, _MOST_CASES = "transfer", 5
-"""In this section more cases of one quantity than these share a row: soils and one-third octaves."""
+_SUMMARISED, _MOST_CASES = "transfer", 5
+"""In this section more cases of one quantity than these share a row."""
 
 
 def show(console: Console, document: Mapping[str, Any], figures: Iterable[Figure]) -> None:
-    """Print where was measured, and a table per section."""
+    """Print the machine and the rates of its cores, and a table per section."""
     if not console.is_terminal:
         console.width = 200
     console.print(
@@ -36,21 +36,21 @@ def show(console: Console, document: Mapping[str, Any], figures: Iterable[Figure
         table = Table(title=f"\n{section}", title_justify="left", box=style)
         for heading in ("what", "case", "quantity"):
             table.add_column(heading)
-        for heading in ("median", "quartiles, or least – most", "unit", "aim"):
+        for heading in ("median", "quartiles, or least – most", "unit", "target"):
             table.add_column(heading, justify="right", no_wrap=True)
         rows: dict[tuple[str, str], list[Figure]] = {}
         for figure in members:
             rows.setdefault((figure.item, figure.quantity), []).append(figure)
-        for same in rows.values():
-            if section == _SHARING and len(same) > _MOST_CASES:
-                table.add_row(*_together(same))
+        for row in rows.values():
+            if section == _SUMMARISED and len(row) > _MOST_CASES:
+                table.add_row(*_summary(row))
             else:
-                for figure in same:
-                    table.add_row(*_alone(figure))
+                for figure in row:
+                    table.add_row(*_single(figure))
         console.print(table)
 
 
-def _alone(figure: Figure) -> tuple[str, ...]:
+def _single(figure: Figure) -> tuple[str, ...]:
     """Return the row of one figure: its median and quartiles."""
     spread = f"{number(figure.quantile(0.25))} – {number(figure.quantile(0.75))}"
     verdict = "" if figure.holds is None else " holds" if figure.holds else " missed"
@@ -61,23 +61,23 @@ def _alone(figure: Figure) -> tuple[str, ...]:
         number(figure.median),
         spread if len(figure.samples) > 1 else "",
         _unit(figure),
-        _aim(figure) + verdict,
+        _target(figure) + verdict,
     )
 
 
-def _together(figures: list[Figure]) -> tuple[str, ...]:
-    """Return the row of one quantity in many cases: the median of all, and the least and the most."""
+def _summary(figures: list[Figure]) -> tuple[str, ...]:
+    """Return the row of one quantity in many cases: the median of all, the smallest and the largest."""
     first = figures[0]
-    found = [figure.median for figure in figures]
+    medians = [figure.median for figure in figures]
     holds = sum(figure.holds is True for figure in figures)
     return (
         first.item,
         f"{len(figures)} cases",
         first.quantity,
-        number(float(np.median(found))),
-        f"{number(min(found))} – {number(max(found))}",
+        number(float(np.median(medians))),
+        f"{number(min(medians))} – {number(max(medians))}",
         _unit(first),
-        "" if first.holds is None else f"{_aim(first)} holds in {holds}",
+        "" if first.holds is None else f"{_target(first)} holds in {holds}",
     )
 
 
@@ -85,7 +85,7 @@ def _unit(figure: Figure) -> str:
     return "" if figure.unit == "1" else figure.unit
 
 
-def _aim(figure: Figure) -> str:
+def _target(figure: Figure) -> str:
     if figure.at_least is not None:
         return f"≥ {number(figure.at_least)}"
     return "" if figure.at_most is None else f"≤ {number(figure.at_most)}"

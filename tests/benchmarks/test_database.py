@@ -1,4 +1,4 @@
-"""The database of benchmarks follows from their files, and says what its columns are."""
+"""The database of benchmarks is built from their files, and its columns have comments."""
 
 import json
 
@@ -43,7 +43,7 @@ def test_every_file_of_a_folder_becomes_rows(tmp_path):
     for hour in ("03", "04"):
         content = {**DOCUMENT, "started": f"2026-01-02T{hour}:04:05.678+00:00"}
         (tmp_path / f"benchmark-2026-01-02T{hour}0405.json").write_text(json.dumps(content), "utf-8")
-        path = database.ingest(tmp_path)
+        path = database.rebuild(tmp_path)
     with duckdb.connect(str(path), read_only=True) as connection:
         assert connection.execute(
             'SELECT benchmark, section, "case", samples, median, holds FROM figures ORDER BY benchmark'
@@ -54,8 +54,8 @@ def test_every_file_of_a_folder_becomes_rows(tmp_path):
         assert connection.execute(
             "SELECT host, git_commit, versions->>'railvib', operations_per_s FROM benchmarks LIMIT 1"
         ).fetchone() == ("here", "0123456789ab", "0.1.0", 5e10)
-        silent = connection.execute(
+        uncommented = connection.execute(
             "SELECT column_name FROM duckdb_columns() WHERE comment IS NULL AND NOT internal"
         )
-        assert silent.fetchall() == []
-    assert [each.name for each in tmp_path.iterdir() if "partial" in each.name] == []
+        assert uncommented.fetchall() == []
+    assert [path.name for path in tmp_path.iterdir() if "partial" in path.name] == []

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from benchmarks.operations import counted
-from benchmarks.transfer import wavenumbers
+from benchmarks.limit.operations import count_operations
+from benchmarks.sections.transfer import wavenumbers
 from railvib import library
 from railvib.soil.rational_fit import fit_flexibility
 from railvib.soil.strip import CLIP, NEGLIGIBLE, STRETCH, strip_compliances
@@ -120,9 +120,9 @@ def test_waves_that_have_died_out_cost_nothing(greby):
     fit = fit_flexibility(greby, 40.0, 1e-10)
     beta = np.linspace(0.1, 4.0, 5)
     near, far, twice = (
-        counted(strip_compliances, (beta, fit.pole, fit.residue, fit.constant, B, offsets), STRETCH=1)[
-            1
-        ].total
+        count_operations(
+            strip_compliances, (beta, fit.pole, fit.residue, fit.constant, B, offsets), STRETCH=1
+        )[1].total
         for offsets in (np.array([2.0]), np.array([100.0]), np.array([2.0, 100.0]))
     )
     assert twice - near < 0.5 * (twice - far)

@@ -3,9 +3,9 @@
     C(β, y) = (1/π) ∫₀^∞ Q33(√(β² + γ²)) sin(γb)/(γb) cos(γy) dγ
 
 Everything that makes the grid smaller or the transform cheaper is granted: evenness in β and γ, a cosine
-transform of a length that suits it, blocks of rows that fit into the cache, the coarsest spacing and the
-shortest range that reach the error asked for, and, beside the transform of whole rows, sums for the few
-offsets that are wanted where these are cheaper.
+transform of a suitable length, blocks of rows that fit into the cache, the coarsest spacing and the shortest
+range that reach the required error, and sums for the few offsets where they are cheaper than the transform of
+whole rows.
 """
 
 from collections.abc import Callable
@@ -24,9 +24,9 @@ from railvib.transfer.tabulate import largest_wavenumber
 from railvib.transfer.track_response import track_response
 
 OFFSETS = np.array([0.0, 8.0, 32.0, 100.0])
-"""Distances from the centre line at which the ways are compared, m; multiples of 4 m, see `Grid`."""
+"""Distances from the centre line at which the ways are compared, m; multiples of 4 m, see _RANGE_STEP."""
 ERROR = 1e-3
-"""Of |C(β, 0)|, which the grid must reach at every offset and wavenumber."""
+"""Largest error of the grid at every offset and wavenumber, relative to |C(β, 0)|."""
 _RANGE_STEP = np.pi / 4.0
 """Ranges of γ are multiples of this, so that a transform's points y = jπ/range hit multiples of 4 m."""
 _LONGEST_RANGE = 128 * _RANGE_STEP
@@ -56,7 +56,7 @@ class Grid:
 
     @property
     def columns(self) -> int:
-        """Number of wavenumbers γ: a length that a cosine transform likes, not below what the error needs."""
+        """Number of wavenumbers γ: a fast length for a cosine transform, not below what the error needs."""
         return int(fft.next_fast_len(int(np.ceil(self.across_range / self.across)), real=True)) + 1
 
     @property
@@ -71,7 +71,7 @@ class Grid:
 
 
 def kernel(ground: Ground, omega: float) -> Flexibility:
-    """Return this project's compiled flexibility at one angular frequency in rad/s."""
+    """Return railvib's compiled flexibility at one angular frequency in rad/s."""
     return partial(_compiled, ground.stack(), ground.base == "rigid", omega)
 
 
@@ -92,7 +92,7 @@ def by_transform(flexibility: Flexibility, b: float, beta: np.ndarray, grid: Gri
 def by_sums(
     flexibility: Flexibility, b: float, beta: np.ndarray, grid: Grid, cosines: np.ndarray
 ) -> np.ndarray:
-    """Return the same as by `by_transform`, by sums with the `cosines` of the grid."""
+    """Return the same as `by_transform` by sums with the `cosines` of the grid."""
     values, step = _rows(flexibility, b, beta, grid)
     real, imag = values.real @ cosines, values.imag @ cosines
     return np.asarray((real + 1j * imag) * (step / np.pi))
@@ -118,10 +118,10 @@ def _rows(flexibility: Flexibility, b: float, beta: np.ndarray, grid: Grid) -> t
 def coarsest(ground: Ground, track: Track, frequency: float, fit: RationalFit) -> Grid:
     """Return the coarsest and shortest grid that reaches the error, judged by the closed form of a fit.
 
-    Spacing and range in γ follow from the compliance at wavenumbers β where it is hardest to reach: around
-    the surface wave's and at both ends. The spacing in β is that in γ, since distances along the track, from
-    axle to axle of a train, are as long as those across it, and the waves that come round are the same. The
-    range in β is that beyond which the rail's receptance loses no more than the error.
+    Spacing and range in γ follow from the compliance at the most demanding wavenumbers β: around the surface
+    wave's and at both ends. The spacing in β equals that in γ, since the axles of a train are as far apart as
+    the receivers are from the track, and the periodic images are the same. The range in β leaves out no more
+    of the rail's receptance than the error.
     """
     omega = 2.0 * np.pi * frequency
     b = track.half_width
@@ -138,25 +138,25 @@ def coarsest(ground: Ground, track: Track, frequency: float, fit: RationalFit) -
     flexibility = kernel(ground, omega)
 
     def sums(spacing: float, largest: float) -> np.ndarray:
-        """Return the trapezoidal sums up to each range, a multiple of the step of ranges: (β, ranges, y)."""
+        """Return the trapezoidal sums up to every multiple of the step of ranges, (β, ranges, y)."""
         inside = int(np.ceil(_RANGE_STEP / spacing))
         ranges = int(np.ceil(largest / _RANGE_STEP))
         gamma = np.arange(inside * ranges + 1) * (_RANGE_STEP / inside)
-        found = np.empty((beta.size, ranges, OFFSETS.size), complex)
+        total = np.empty((beta.size, ranges, OFFSETS.size), complex)
         cosine = np.cos(gamma[:, None] * OFFSETS)
-        for i, each in enumerate(beta):
-            values = flexibility(np.sqrt(each**2 + gamma**2)) * np.sinc(gamma * (b / np.pi))
+        for i, row in enumerate(beta):
+            values = flexibility(np.sqrt(row**2 + gamma**2)) * np.sinc(gamma * (b / np.pi))
             terms = values[:, None] * cosine
             up_to = terms[1:].reshape(ranges, inside, -1).sum(axis=1).cumsum(axis=0)
             ends = 0.5 * (terms[0] - terms[inside::inside])  # both ends count half
-            found[i] = (up_to + ends) * (_RANGE_STEP / inside / np.pi)
-        return found
+            total[i] = (up_to + ends) * (_RANGE_STEP / inside / np.pi)
+        return total
 
-    def misses(found: np.ndarray) -> np.ndarray:
-        """Return the largest error of each range, over what is allowed."""
-        return np.asarray((np.abs(found - exact[:, None]) / size[:, None]).max(axis=(0, 2)))
+    def misses(total: np.ndarray) -> np.ndarray:
+        """Return the largest error of each range over the error allowed."""
+        return np.asarray((np.abs(total - exact[:, None]) / size[:, None]).max(axis=(0, 2)))
 
-    # Waves that come round from the next period decay as the least damped pole says.
+    # Waves from the next period decay with the least damped pole.
     waves = np.sqrt(fit.pole[np.abs(fit.pole) < (2.0 * slowest) ** 2])
     least = float(np.abs(waves.imag).min(initial=slowest))
     across = min(2.0 * np.pi / (OFFSETS.max() + np.log(10.0 / ERROR) / least), 0.04)
@@ -167,7 +167,7 @@ def coarsest(ground: Ground, track: Track, frequency: float, fit: RationalFit) -
     while misses(sums(across * _FINER, across_range))[-1] <= 1.0:
         across *= _FINER
     grid = Grid(across, along_range, across, across_range)
-    # A convenient length makes the step a little finer: what comes round may then add up instead of cancel.
+    # A fast length makes the step a little finer, and images that cancelled may then add up.
     while (np.abs(by_transform(flexibility, b, beta, grid) - exact) > size).any():
         across /= _FINER**0.25
         grid = Grid(across, along_range, across, across_range)
@@ -181,7 +181,7 @@ def closed_form(fit: RationalFit, b: float, beta: np.ndarray) -> np.ndarray:
 
 
 def _range_along(track: Track, omega: float, fit: RationalFit) -> float:
-    """Return β beyond which lies no more of the rail's receptance than the error."""
+    """Return the β beyond which the rail's receptance has a share no larger than the error."""
     edge = np.concatenate([[0.0], np.geomspace(1e-4, 8.0 * largest_wavenumber(track), 4000)])
     beta = 0.5 * (edge[1:] + edge[:-1])
     rail, _ = track_response(track, beta, omega, closed_form(fit, track.half_width, beta)[:, 0])

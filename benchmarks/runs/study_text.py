@@ -1,4 +1,4 @@
-"""Study files for the benchmark, written from what varies."""
+"""Study files for the benchmark, written from their varying keys."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -57,7 +57,7 @@ def study(
 def _value(value: Any) -> str:
     """Return a value as TOML: strings, numbers, lists and inline tables."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_value(each)}" for key, each in value.items()) + " }"
+        return "{ " + ", ".join(f"{key} = {_value(inner)}" for key, inner in value.items()) + " }"
     if isinstance(value, Sequence) and not isinstance(value, str):
-        return "[" + ", ".join(_value(each) for each in value) + "]"
+        return "[" + ", ".join(_value(inner) for inner in value) + "]"
     return json.dumps(value)

@@ -1,4 +1,4 @@
-"""One run of the benchmark: its sections one after the other, and the document that it leaves."""
+"""One run of the benchmark: its sections one after the other, and the document that it writes."""
 
 import json
 import os
@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import railvib
-from benchmarks import arithmetic, growth, kernel, paper, transfer
-from benchmarks.arithmetic import Rates
 from benchmarks.figures import Figure
+from benchmarks.limit import rates
+from benchmarks.limit.rates import Rates
+from benchmarks.sections import growth, kernel, paper, transfer
 from benchmarks.sizes import Size
 from railvib.numerics import threads
 from sweep.host import host_class
@@ -32,44 +33,47 @@ _MEASURES: Mapping[str, Callable[[Size, Rates], Iterator[Figure]]] = {
 
 
 def measure(
-    size: Size, only: Iterable[str], directory: Path, report: Callable[[Figure], None]
-) -> tuple[Path, dict[str, Any], list[Figure]]:
-    """Measure sections in this process and its children; return the file written, its content, the figures.
+    size: Size, sections: Iterable[str], report: Callable[[Figure], None]
+) -> tuple[dict[str, Any], list[Figure]]:
+    """Measure sections in this process and its children; return the document and the figures in it.
 
     Parameters
     ----------
     size
         How much to measure.
-    only
+    sections
         Names of sections.
-    directory
-        Where the file goes; made if missing.
     report
         Called with every figure as soon as it is known.
     """
     document = _head(size)
     figures: list[Figure] = []
-    with threads.single():  # a core is what is measured
-        rates = arithmetic.rates()
-        document["rates"] = asdict(rates)
-        for name in only:
-            for figure in _MEASURES[name](size, rates):
+    with threads.single():  # the rates are those of one core
+        core = rates.measure()
+        for name in sections:
+            for figure in _MEASURES[name](size, core):
                 figures.append(figure)
                 report(figure)
     document |= {
+        "rates": asdict(core),
         "finished": _now(),
         "load_after": os.getloadavg()[0],
         "figures": [figure.document() for figure in figures],
     }
+    return document, figures
+
+
+def write(document: Mapping[str, Any], directory: Path) -> Path:
+    """Write a document to a directory, which is created if missing; return the file."""
     directory.mkdir(parents=True, exist_ok=True)
     name = f"benchmark-{document['started'][:19].replace(':', '')}.json"
     content = json.dumps(document, indent=1, ensure_ascii=False).encode() + b"\n"
     Folder(directory).replace(name, content)
-    return directory / name, document, figures
+    return directory / name
 
 
 def _head(size: Size) -> dict[str, Any]:
-    """Return where and with what is measured."""
+    """Return the size, the machine and the versions measured."""
     return {
         "schema": SCHEMA,
         "size": size.name,
@@ -88,14 +92,14 @@ def _head(size: Size) -> dict[str, Any]:
 
 
 def _commit() -> str | None:
-    """Return the git commit of the source that is measured, marked where it was changed; None outside git."""
+    """Return the git commit of the source, marked dirty if the source was changed; None outside git."""
     home = Path(railvib.__file__).parent
     command = ["git", "-C", str(home), "describe", "--always", "--dirty", "--abbrev=12", "--match="]
     try:
-        found = subprocess.run(command, capture_output=True, text=True, check=True)
+        process = subprocess.run(command, capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError):
         return None
-    return found.stdout.strip()
+    return process.stdout.strip()
 
 
 def _now() -> str:

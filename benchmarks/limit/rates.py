@@ -1,8 +1,8 @@
 """The floating-point limit of one core: measured rates of multiply-add, division and square root.
 
-The loops are written for the compiler's intermediate language, since no compiler turns Python or C into
-nothing but these instructions: independent chains of vectors that stay in registers. Which length of vector
-and how many chains are best depends on the processor, so several are tried and the fastest counts.
+The loops are written in LLVM IR, since no compiler turns Python or C into these instructions alone:
+independent chains of vectors that stay in registers. Which vector length and how many chains are best depends
+on the processor, so several are tried and the fastest counts.
 """
 
 import time
@@ -39,7 +39,7 @@ class Rates:
     roots: float
 
 
-def rates() -> Rates:
+def measure() -> Rates:
     """Measure the rates of the core that this process runs on."""
     return Rates(2.0 * _highest("fma"), _highest("divide"), _highest("root"))
 
@@ -56,18 +56,17 @@ def _highest(operation: str) -> float:
 def _passes_per_second(loop: Callable[[int], float]) -> float:
     """Return how often a loop's body runs per second, the best of several short runs."""
     loop(1)
-    passes, spent = 1000, 0.0
-    while spent < _RUN_S:
+    passes, duration = 1000, 0.0
+    while duration < _RUN_S:
         passes *= 2
-        started = time.perf_counter()
-        loop(passes)
-        spent = time.perf_counter() - started
-    best = spent
-    for _ in range(4):
-        started = time.perf_counter()
-        loop(passes)
-        best = min(best, time.perf_counter() - started)
-    return passes / best
+        duration = _seconds(loop, passes)
+    return passes / min(duration, *(_seconds(loop, passes) for _ in range(4)))
+
+
+def _seconds(loop: Callable[[int], float], passes: int) -> float:
+    start = time.perf_counter()
+    loop(passes)
+    return time.perf_counter() - start
 
 
 @cache
@@ -75,28 +74,28 @@ def loop(operation: str, length: int, chains: int) -> Callable[[int], float]:
     """Return a compiled loop of `chains` independent operations on vectors of `length` doubles."""
     vector = ir.VectorType(ir.DoubleType(), length)
 
-    def filled(value: float) -> ir.Constant:
+    def constant(value: float) -> ir.Constant:
         return ir.Constant(vector, [ir.Constant(ir.DoubleType(), value)] * length)
 
     def step(builder: Any, x: Any) -> Any:
         if operation == "divide":
-            return builder.fdiv(filled(1.7), x)
+            return builder.fdiv(constant(1.7), x)
         name, arity = {"fma": ("fma", 3), "root": ("sqrt", 1)}[operation]
         function = cgutils.get_or_insert_function(
             builder.module, ir.FunctionType(vector, [vector] * arity), f"llvm.{name}.v{length}f64"
         )
-        return builder.call(function, [x, filled(0.75), filled(0.5)][:arity])
+        return builder.call(function, [x, constant(0.75), constant(0.5)][:arity])
 
     @intrinsic
     def body(typingctx, count):
         def codegen(context, builder, signature, args):
-            chain = [cgutils.alloca_once_value(builder, filled(1.0 + 0.01 * i)) for i in range(chains)]
+            chain = [cgutils.alloca_once_value(builder, constant(1.0 + 0.01 * i)) for i in range(chains)]
             with cgutils.for_range(builder, args[0]):
-                for each in chain:
-                    builder.store(step(builder, builder.load(each)), each)
+                for cell in chain:
+                    builder.store(step(builder, builder.load(cell)), cell)
             total = builder.load(chain[0])
-            for each in chain[1:]:
-                total = builder.fadd(total, builder.load(each))
+            for cell in chain[1:]:
+                total = builder.fadd(total, builder.load(cell))
             out = ir.Constant(ir.DoubleType(), 0.0)
             for i in range(length):
                 out = builder.fadd(out, builder.extract_element(total, ir.Constant(ir.IntType(32), i)))

@@ -1,8 +1,8 @@
 """The ground's compliance by adaptive quadrature over γ, all wavenumbers and panels together.
 
 The path is that of `railvib.soil.quadrature`: along the real axis past the propagating waves, then at 45°
-into the complex plane, where e^{iγy} decays. There every wavenumber is integrated on its own, as a judge;
-here the panels of all wavenumbers are halved in the same passes, so that NumPy works on long arrays.
+into the complex plane, where e^{iγy} decays. That module integrates one wavenumber at a time, as a
+judge; this one halves the panels of all wavenumbers in the same passes, so that NumPy works on long arrays.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ _FINE_NODE, _FINE_WEIGHT = roots_legendre(12)
 _MOST_ROUNDS = 40
 _PANELS_BEYOND = 4
 _PHASE = 12.0
-"""Radians that a panel spans at first at the farthest offset."""
+"""Phase of a panel at the farthest offset before it is halved, rad."""
 
 Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Takes β and t, both (n,), and returns values (n, offsets)."""
@@ -47,12 +47,14 @@ def compliances(
     frequency
         Frequency, Hz.
     tolerance
-        Error allowed, of |C(β, 0)|, as the rules' difference says, which is far above it.
+        Error allowed relative to |C(β, 0)|. The difference of two rules stands for it, which is far larger.
     """
     omega = 2.0 * np.pi * frequency
     b = half_width
     slowest = omega / ground.slowest_speed
-    thinnest = min((each.thickness for each in ground.layers if each.thickness is not None), default=np.inf)
+    thinnest = min(
+        (layer.thickness for layer in ground.layers if layer.thickness is not None), default=np.inf
+    )
     turn = np.maximum(
         np.maximum(1.5 * np.sqrt(np.maximum(slowest**2 - beta**2, 0.0)), 0.5 * slowest),
         np.maximum(0.5 * beta, 3.0 / thinnest),
@@ -97,15 +99,15 @@ def _add(
     tolerance: float,
     total: np.ndarray,
 ) -> None:
-    """Add integrals over panels [low, high] of rows to the rows' totals, halving panels with large errors."""
+    """Add integrals over panels [low, high] to the totals of their rows, halving panels with large errors."""
     share = 1.0 / np.bincount(row, minlength=total.shape[0])[row]
     for _ in range(_MOST_ROUNDS):
         middle, half = 0.5 * (high + low), 0.5 * (high - low)
         fine = _sums(integrand, row, middle, half, _FINE_NODE, _FINE_WEIGHT)
         coarse = _sums(integrand, row, middle, half, _COARSE_NODE, _COARSE_WEIGHT)
-        # The size at y = 0 grows with what is added; its first estimate is the sum of all panels.
+        # The size at y = 0 includes the panels that are not accepted yet.
         size = np.abs(total[:, 0] + _by_row(row, fine, total.shape)[:, 0])
-        # Errors of panels add up like random numbers at most: the coarse rule's is far above the fine one's.
+        # Errors are taken to add up like random numbers, as the fine rule's are far below the coarse one's.
         bad = (np.abs(fine - coarse) > (tolerance * size[row] * np.sqrt(share))[:, None]).any(axis=1)
         total += _by_row(row[~bad], fine[~bad], total.shape)
         if not bad.any():

@@ -18,12 +18,12 @@ import psutil
 from railvib.errors import InputError
 from sweep.storage import records
 
-_PROGRAM = "from railvib.cli import main; main()"
-_LOOK_S = 0.1
+_INTERVAL_S = 0.1
+"""Between two looks at the processes of a run."""
 
 
 @dataclass(frozen=True)
-class Ran:
+class RunCost:
     """What one run took.
 
     Attributes
@@ -31,15 +31,15 @@ class Ran:
     directory
         Its output directory.
     wall_s, cpu_s
-        From the start of the process to its end; CPU seconds of it and all that it started.
+        From the start of the process to its end; CPU seconds of it and all its children.
     first_task_s
-        From the start of the process to that of the first task; None where nothing was computed.
+        From the start of the process to that of the first task; None if nothing was computed.
     peak_bytes
         Largest resident memory of any of its processes.
     stages
-        CPU seconds by kind of unit and stage, as the records say.
+        CPU seconds by kind of unit and stage, from the commit records.
     approaches
-        CPU seconds by approach, of all units that it rests on.
+        CPU seconds by approach, of all units that it needs.
     """
 
     directory: Path
@@ -58,8 +58,8 @@ class Ran:
 
 def run(
     text: str, directory: Path, workers: int | None = None, environment: Mapping[str, str] | None = None
-) -> Ran:
-    """Run a study given as the text of its file, and return what that took.
+) -> RunCost:
+    """Run a study given as the text of its file, and return its cost.
 
     Raises
     ------
@@ -69,75 +69,76 @@ def run(
     with tempfile.TemporaryDirectory() as folder:
         study = Path(folder) / "study.toml"
         study.write_text(text, encoding="utf-8")
-        command = [sys.executable, "-c", _PROGRAM, "run", str(study), "--out", str(directory)]
+        command = [sys.executable, "-m", "railvib", "run", str(study), "--out", str(directory)]
         if workers is not None:
             command += ["--workers", str(workers)]
         output = Path(folder) / "output"
         with output.open("wb") as out:
-            started, wall = time.time(), time.perf_counter()
+            start, wall = time.time(), time.perf_counter()
             process = subprocess.Popen(
                 command, stdout=out, stderr=out, env={**os.environ, **(environment or {})}
             )
             with _Watch(process.pid) as watch:
-                _, status, used = os.wait4(process.pid, 0)
+                _, status, usage = os.wait4(process.pid, 0)
             wall = time.perf_counter() - wall
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
-            said = output.read_text(encoding="utf-8", errors="replace").strip().splitlines()
-            raise InputError(f"a run of the benchmark failed: {said[-1] if said else process.returncode}")
+            lines = output.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+            raise InputError(f"a run of the benchmark failed: {lines[-1] if lines else process.returncode}")
     run_id = records.Run.load(directory)["run_id"]
-    made = [record for record in records.committed(directory) if record["run_id"] == run_id]
-    begun = [datetime.fromisoformat(record["started"]).timestamp() - started for record in made]
-    first = min((each for each in begun if each >= 0.0), default=None)
-    return Ran(
+    commits = [record for record in records.committed(directory) if record["run_id"] == run_id]
+    delays = [datetime.fromisoformat(record["started"]).timestamp() - start for record in commits]
+    first = min((delay for delay in delays if delay >= 0.0), default=None)
+    return RunCost(
         directory,
         wall,
-        max(used.ru_utime + used.ru_stime, watch.cpu_s),
+        max(usage.ru_utime + usage.ru_stime, watch.cpu_s),
         first,
         watch.peak,
-        _stages(made) if first is not None else {},
+        _stages(commits) if first is not None else {},
         _approaches(directory),
     )
 
 
-def empty(directory: Path) -> None:
-    """Free what the files of a run take on the disk and in memory, and leave the files.
+def truncate(directory: Path) -> None:
+    """Truncate the files of a run to nothing, and leave them in place.
 
-    The next run finds the machine as this one did. Files that were removed would hold it up when it makes its
-    own: ext4 looks past each of them for minutes. And what is written lies in memory first: were none freed,
-    every run would take memory that nobody has touched yet, which in a virtual machine costs more.
+    The next run then meets the same machine as this one did. Deleted files would delay it: ext4 searches past
+    each of them for minutes. Files that stay would fill the page cache, so that every run would touch memory
+    for the first time, which costs more in a virtual machine.
     """
     for path in directory.rglob("*"):
         if path.is_file():
             os.truncate(path, 0)
 
 
-def _stages(made: Iterable[Mapping[str, Any]]) -> dict[str, float]:
-    spent: dict[str, float] = {}
-    for record in made:
-        for each in record["costs"]:
-            name = f"{record['kind']}: {each['stage']}"
-            spent[name] = spent.get(name, 0.0) + each["cpu_s"]
-    return spent
+def _stages(commits: Iterable[Mapping[str, Any]]) -> dict[str, float]:
+    seconds: dict[str, float] = {}
+    for record in commits:
+        for cost in record["costs"]:
+            name = f"{record['kind']}: {cost['stage']}"
+            seconds[name] = seconds.get(name, 0.0) + cost["cpu_s"]
+    return seconds
 
 
 def _approaches(directory: Path) -> dict[str, float]:
-    """Return what all that each approach rests on has cost, shared work charged to each in full."""
-    cost = {
-        record["unit_id"]: sum(each["cpu_s"] for each in record["costs"])
+    """Return the CPU seconds of all units that each approach needs; shared work is charged to each in full."""
+    seconds = {
+        record["unit_id"]: sum(cost["cpu_s"] for cost in record["costs"])
         for record in records.committed(directory)
     }
-    needed: dict[str, set[str]] = {}
+    needs: dict[str, set[str]] = {}
     for case in records.Run.load(directory)["cases"]:
         for approach, units in case["units"].items():
-            needed.setdefault(approach, set()).update(unit["unit_id"] for unit in units)
-    return {approach: sum(cost.get(unit, 0.0) for unit in units) for approach, units in needed.items()}
+            needs.setdefault(approach, set()).update(unit["unit_id"] for unit in units)
+    return {approach: sum(seconds.get(unit, 0.0) for unit in units) for approach, units in needs.items()}
 
 
 class _Watch:
-    """Looks at the memory of a process and of all that it started, and at their seconds, until told to stop.
+    """Samples memory and CPU seconds of a process and its children until the block ends.
 
-    The system adds to a process's seconds those of the children that it has waited for; some it does not.
+    The system adds to a process's seconds those of the children that it waited for, and not all are waited
+    for.
     """
 
     def __init__(self, pid: int) -> None:
@@ -145,7 +146,7 @@ class _Watch:
         self._cpu_s: dict[tuple[int, float], float] = {}
         self._pid = pid
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._look, daemon=True)
+        self._thread = threading.Thread(target=self._sample, daemon=True)
 
     def __enter__(self) -> "_Watch":
         self._thread.start()
@@ -160,8 +161,8 @@ class _Watch:
         """Seconds of all processes as last seen."""
         return sum(self._cpu_s.values())
 
-    def _look(self) -> None:
-        while not self._stop.wait(_LOOK_S):
+    def _sample(self) -> None:
+        while not self._stop.wait(_INTERVAL_S):
             try:
                 root = psutil.Process(self._pid)
                 family = (root, *root.children(recursive=True))
@@ -170,12 +171,12 @@ class _Watch:
             for process in family:
                 with contextlib.suppress(psutil.Error):
                     self.peak = max(self.peak, _resident(process))
-                    used = process.cpu_times()
-                    self._cpu_s[process.pid, process.create_time()] = used.user + used.system
+                    times = process.cpu_times()
+                    self._cpu_s[process.pid, process.create_time()] = times.user + times.system
 
 
 def _resident(process: psutil.Process) -> int:
-    """Return the largest resident memory that a process has had, or where that is not known, has."""
+    """Return the largest resident memory of a process so far or, if the system does not tell, its present one."""
     try:
         for line in Path(f"/proc/{process.pid}/status").read_text().splitlines():
             if line.startswith("VmHWM"):

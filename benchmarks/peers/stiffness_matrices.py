@@ -1,4 +1,4 @@
-"""The ground's flexibility by stiffness matrices of its layers, in plain NumPy: what most codes do.
+"""The ground's flexibility by stiffness matrices of its layers, in plain NumPy, as most codes do it.
 
 Exact stiffness matrices of Kausel and Roësset (1981), in the form of Kausel, Fundamental Solutions in
 Elastodynamics (2006), section 10.3: p = √(1 − (ω/kα)²), s = √(1 − (ω/kβ)²), hyperbolic functions C and S of
@@ -27,7 +27,7 @@ def by_linear_algebra(ground: Ground, wavenumber: np.ndarray, omega: float) -> n
 
 
 def by_elimination(ground: Ground, wavenumber: np.ndarray, omega: float) -> np.ndarray:
-    """Return the same, the interfaces eliminated from below by 2 × 2 inverses written out."""
+    """Return Q33 with the interfaces eliminated from below by 2 × 2 inverses in closed form."""
     matrices, base = _layers(ground, wavenumber, omega)
     below = base
     for matrix in reversed(matrices):

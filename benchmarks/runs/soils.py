@@ -6,11 +6,14 @@ from railvib import library
 from railvib.parameters.ground import Ground
 
 
-def graded(layers: int, stiffer: float = 1.0) -> dict[str, Any]:
-    """Return a soil that grows stiffer from 100 to 300 m/s over 8 m, in equal layers on a half-space."""
+def graded(layers: int, stiffness: float = 1.0) -> dict[str, Any]:
+    """Return a soil whose shear speed grows from 100 to 300 m/s over 8 m, in equal layers on a half-space.
+
+    `stiffness` multiplies all speeds.
+    """
     rows = []
     for i in range(layers):
-        speed = stiffer * (100.0 + 200.0 * (i / (layers - 1) if layers > 1 else 1.0))
+        speed = stiffness * (100.0 + 200.0 * (i / (layers - 1) if layers > 1 else 1.0))
         row = {
             "shear_speed_m_s": round(speed, 6),
             "dilatational_speed_m_s": round(2.0 * speed, 6),
@@ -22,9 +25,9 @@ def graded(layers: int, stiffer: float = 1.0) -> dict[str, Any]:
 
 
 def ground(layers: int) -> Ground:
-    """Return the library's soil of so many layers, or the graded one where there is none."""
+    """Return a soil of the library with this number of layers, or the graded one if there is none."""
     for name in library.names("soil"):
-        made = library.load("soil", name)
-        if len(made.layers) == layers:
-            return made
+        soil = library.load("soil", name)
+        if len(soil.layers) == layers:
+            return soil
     return Ground(**graded(layers))

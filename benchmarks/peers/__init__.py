@@ -1,0 +1,1 @@
+"""Peers: other ways to the same numbers, in plain NumPy."""

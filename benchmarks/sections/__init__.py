@@ -1,0 +1,1 @@
+"""Sections of the benchmark: kernel, transfer functions, the paper's study, growth."""
