@@ -6,7 +6,7 @@ centre line, k = √(β² − z) with Re k > 0. Per pole
 
     y ≥ b:  e^{−k(y−b)} (1 − e^{−2kb})/(4 b k²)        y < b:  [2 − e^{−k(b+y)} − e^{−k(b−y)}]/(4 b k²)
 
-and the constant d contributes d/(2b) inside the strip only.
+and the constant d contributes d/(2b) inside the strip and d/(4b) at its very edge.
 
 Beyond the strip most poles count nothing beside the wave that is damped least. So at every wavenumber each
 pole has a reach, the distance from the strip beyond which its wave is passed over, as it is less than
@@ -151,7 +151,9 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
                         at[TOTAL_REAL, i] = at[TOTAL_REAL, i] + cr * er - ci * ei
                         at[TOTAL_IMAG, i] = at[TOTAL_IMAG, i] + cr * ei + ci * er
             found = CENTRE_REAL if y == 0.0 else TOTAL_REAL
+            # The transform of a constant over the strip takes the mean of both sides at its edge.
+            inside = 0.5 if y == b else less
             for i in range(count):
-                real[k, first + i] = at[found, i] + less * (0.5 / b) * constant.real
-                imag[k, first + i] = at[found + 1, i] + less * (0.5 / b) * constant.imag
+                real[k, first + i] = at[found, i] + inside * (0.5 / b) * constant.real
+                imag[k, first + i] = at[found + 1, i] + inside * (0.5 / b) * constant.imag
     return real, imag

@@ -11,6 +11,7 @@ from railvib.soil.strip import CLIP, NEGLIGIBLE, STRETCH, strip_compliances
 
 B = 1.6
 OFFSETS = np.array([0.0, 0.9, B, 8.0, 100.0])
+SHARES = np.array([1.0, 1.0, 0.5, 0.0, 0.0])  # of the strip's load, at its edge the mean of both sides
 
 
 def by_trapezoid(beta, pole, residue, y):
@@ -30,10 +31,10 @@ def test_one_pole(pole):
             assert real[j, i] + 1j * imag[j, i] == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
-def test_constant_acts_inside_the_strip_only():
+def test_constant_acts_inside_the_strip():
     none = np.empty(0, complex)
     real, imag = strip_compliances(np.array([0.1]), none, none, 3.0 - 2.0j, B, OFFSETS)
-    np.testing.assert_allclose((real + 1j * imag)[:, 0], np.where(OFFSETS < B, (3.0 - 2.0j) / (2.0 * B), 0.0))
+    np.testing.assert_allclose((real + 1j * imag)[:, 0], (3.0 - 2.0j) * SHARES / (2.0 * B))
 
 
 def test_compiled_equals_plain():
@@ -86,7 +87,8 @@ def all_terms(beta, pole, residue, constant, offsets):
             terms = before * np.exp(-k * (y - B)) * (1 - np.exp(-2 * k * B))
         else:
             terms = before * (2 - np.exp(-k * (B + y)) - np.exp(-k * (B - y)))
-        value.append(terms.sum(axis=1) + (long(constant) / (2 * B) if y < B else 0))
+        share = 1.0 if y < B else 0.5 if y == B else 0.0
+        value.append(terms.sum(axis=1) + share * long(constant) / (2 * B))
         largest.append(np.abs(terms).max(axis=1))
         rounding.append(4e-16 * y * np.abs(k * terms).max(axis=1))
     return np.array(value), np.array(largest), np.array(rounding)
