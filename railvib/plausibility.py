@@ -49,12 +49,7 @@ def check_damping(ground: Ground) -> None:
     InputError
         Naming the layer.
     """
-    for number, layer in enumerate(ground.layers):
-        if layer.loss_factor < LEAST_LOSS_FACTOR:
-            raise InputError(
-                f"layers[{number}].loss_factor = {layer.loss_factor:g}: must be {LEAST_LOSS_FACTOR:g} or "
-                "more for a prediction: undamped, the response is infinite at the wavenumbers of its waves"
-            )
+    ground.require_damping(LEAST_LOSS_FACTOR)
 
 
 def check_speed(ground: Ground, track: Track, speed: float) -> None:

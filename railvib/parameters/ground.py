@@ -13,6 +13,7 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from railvib.errors import InputError
 from railvib.parameters.validation import LossFactor, Parameters, Positive
 
 
@@ -121,6 +122,21 @@ class Ground(Parameters):
         for layer in self.layers:
             yield layer.dilatational_speed
             yield layer.shear_speed
+
+    def require_damping(self, least: float) -> None:
+        """Refuse a layer whose loss factor is below `least`: the response to its waves is hardly bounded.
+
+        Raises
+        ------
+        InputError
+            Naming the first such layer.
+        """
+        for number, layer in enumerate(self.layers):
+            if layer.loss_factor < least:
+                raise InputError(
+                    f"layers[{number}].loss_factor = {layer.loss_factor:g}: must be {least:g} or more for a "
+                    "prediction: undamped, the response is infinite at the wavenumbers of its waves"
+                )
 
     def stack(self) -> np.ndarray:
         """Return the layers as the kernels read them.

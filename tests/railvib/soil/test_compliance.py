@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from railvib import library
 from railvib.errors import InputError
 from railvib.parameters.ground import Ground, Layer
 from railvib.soil.compliance import ground_green_function, line_compliance
 from railvib.soil.quadrature import strip_compliance_by_quadrature
-from railvib.soil.rational_fit import RationalFit
+from railvib.soil.rational_fit import RationalFit, fit_flexibility
 
 SOFT = Ground(layers=[Layer(shear_speed=150.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.1)])
 
@@ -45,7 +46,7 @@ def test_point_loads_along_a_line_make_a_line_load():
 
 def test_falls_back_to_quadrature(monkeypatch):
     monkeypatch.setattr(
-        "railvib.soil.compliance.fit_flexibility",
+        "railvib.soil.compliance._fit",
         lambda *_arguments, **_options: RationalFit(
             np.array([1j]), np.array([1.0 + 0j]), 0j, 1.0, np.array([0.0])
         ),
@@ -77,3 +78,33 @@ def test_refused(half_width, frequency, name):
 def test_refused_green_function(distance, frequency):
     with pytest.raises(InputError, match=" = "):
         ground_green_function(SOFT, distance, frequency)
+
+
+@pytest.mark.parametrize(("soil", "frequency"), [("greby", 20.0), ("greby", 100.0), ("horstwalde", 5.0)])
+def test_at_the_edge_of_the_strip(soil, frequency):
+    ground, b = library.load("soil", soil), 1.6
+    for beta in (0.1, 0.5):
+        expected = strip_compliance_by_quadrature(ground, b, beta, [b], frequency)[0]
+        assert line_compliance(ground, b, beta, b, frequency) == pytest.approx(expected, rel=1e-8)
+
+
+def test_calls_for_one_ground_and_frequency_share_a_fit(monkeypatch):
+    fits = []
+
+    def fit(*arguments, **options):
+        fits.append(arguments)
+        return fit_flexibility(*arguments, **options)
+
+    monkeypatch.setattr("railvib.soil.compliance.fit_flexibility", fit)
+    for offset in (0.0, 8.0, 32.0, 100.0):
+        line_compliance(SOFT, 1.6, 0.1, offset, 17.3)
+    assert len(fits) == 1
+
+
+@pytest.mark.parametrize("loss_factor", [0.0, 1e-6])
+def test_without_damping(loss_factor):
+    ground = Ground(layers=[SOFT.layers[0].model_copy(update={"loss_factor": loss_factor})])
+    with pytest.raises(InputError, match=r"layers\[0\].loss_factor"):
+        line_compliance(ground, 1.6, 0.1, 8.0, 10.0)
+    with pytest.raises(InputError, match=r"layers\[0\].loss_factor"):
+        ground_green_function(ground, 8.0, 10.0)
