@@ -1,31 +1,46 @@
 """Surface waves of the ground: its Rayleigh modes."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from railvib.errors import InputError
+from railvib.numerics.analytic_zeros import zeros
 from railvib.parameters.ground import Ground
-from railvib.soil.flexibility import surface_flexibility
-from railvib.soil.rational_fit import fit_flexibility
+from railvib.soil.rayleigh_kernels import log_secular
 
-_MOST_STEPS = 60
+_MOST_DECAY = 0.5
+"""Largest |Im k|/Re k of a mode that counts: it falls to e^−π over a wavelength."""
+_SLOWEST = 0.5
+"""Share of the layers' slowest Rayleigh speed below which no mode is: a heavy crust slows waves down, not
+that much.
+"""
+_FASTEST = 20.0
+"""Multiple of the fastest wave's speed up to which modes over rigid bedrock are sought."""
+_NEAREST = 1e-6
+"""Where the region begins, in ζ: a mode closer than 1e-12 to the base's shear speed is not told from it."""
+_MARGINS = (0.1, 0.093, 0.107)
+"""Distance of the region's edge from what it must hold, in turn until no zero lies on the edge."""
 
 
 def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
-    """Return the phase speeds of the Rayleigh modes at one frequency, ascending: the fundamental mode first.
+    """Return the phase speeds of all Rayleigh modes at one frequency, ascending.
 
     Parameters
     ----------
     ground
-        The layered ground. Nearly elastic ground (loss factor 1e-3 or less) gives the classical dispersion
-        curves; damping shifts a mode by about the square of its loss factor, and strongly damped modes are
-        left out.
+        The layered ground. Without damping its modes are the classical dispersion curves; damping shifts a
+        mode by about the square of its loss factor.
     frequency
         Frequency, Hz, positive.
 
     Returns
     -------
     ndarray
-        m/s; empty where no mode propagates without leaking, as under a stiff crust on softer ground.
+        m/s. All proper modes: slower than the base's shear waves, and decaying with depth in a half-space.
+        Modes that fall by more than e^−π over a wavelength are left out. Empty where there is none, as under
+        a stiff crust on softer ground. Modes of a soft layer deep below are there too, whether or not they
+        are felt at the surface; over rigid bedrock those faster than 20 times the fastest wave are not.
 
     Raises
     ------
@@ -34,53 +49,74 @@ def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
 
     Notes
     -----
-    A mode is a pole of Q33. The poles of the rational fit near the real axis start a secant search on
-    1/Q33 itself, which drops those that stand for a branch cut.
+    Zeros of the Rayleigh secular function, as many as its phase counts around a region (argument principle).
+    The region is a rectangle of ζ, with k = k_s cosh ζ, so that the half-space's
+    vertical wavenumber s = k_s sinh ζ has no branch point there; over rigid bedrock k is proportional to e^ζ.
     """
-    from scipy.optimize import newton  # slow to import, and no worker needs it
-
-    if not frequency > 0.0:
+    if not (frequency > 0.0 and np.isfinite(frequency)):
         raise InputError(f"frequency = {frequency} Hz: surface waves have a positive frequency")
     omega = 2.0 * np.pi * frequency
+    most_decay = _most_decay(ground)
+    k = _wavenumbers(ground, omega, most_decay)
+    fastest = np.inf if ground.base == "rigid" else ground.layers[-1].shear_speed
+    counts = (np.abs(k.imag) <= most_decay * k.real) & (k.real > omega / fastest)
+    return np.sort(omega / k.real[counts])
+
+
+def _most_decay(ground: Ground) -> float:
+    """Return an upper bound of |Im k|/Re k, that of modes which damping alone makes decay.
+
+    It is η/2 times the ratio of phase to group speed, which is at most about (phase speed/slowest shear
+    speed)².
+    """
+    speeds = [layer.shear_speed for layer in ground.layers]
+    fastest = _FASTEST * max(ground.wave_speeds()) if ground.base == "rigid" else speeds[-1]
+    damping = max(layer.loss_factor for layer in ground.layers)
+    return min(_MOST_DECAY, 0.75 * damping * (fastest / min(speeds)) ** 2 + 1.5 * damping + 1e-6)
+
+
+def _wavenumbers(ground: Ground, omega: float, most_decay: float) -> np.ndarray:
+    """Return the wavenumbers of the modes in a region that holds all up to a decay, and more, rad/m."""
+    slowest = omega / (_SLOWEST * min(layer.rayleigh_speed for layer in ground.layers))
     stack = ground.stack()
-    rigid = ground.base == "rigid"
-    start = np.sqrt(fit_flexibility(ground, frequency, 1e-9).pole)
-    # A mode decays by η/2 times the ratio of its phase speed to its group speed, which may reach a few.
-    limit = min(3.0 * max(layer.loss_factor for layer in ground.layers), 0.5) + 1e-6
-    fastest = (
-        max(layer.shear_speed for layer in ground.layers[-1:])
-        if not rigid
-        else 20.0 * max(ground.wave_speeds())
-    )
-    near = start[
-        (np.abs(start.imag) < (limit + 0.02) * start.real)
-        & (start.real < 1.05 * omega / ground.slowest_speed)
-        & (start.real > 0.95 * omega / fastest)
-    ]
+    if ground.base == "rigid":
+        fastest = omega / (_FASTEST * max(ground.wave_speeds()))
+        nearest, farthest = 0.0, float(np.log(slowest / fastest))
+        deepest = float(np.arctan(most_decay))
 
-    def inverse(k: complex) -> complex:
+        def wavenumber(zeta: np.ndarray) -> np.ndarray:
+            return np.asarray(fastest * np.exp(zeta))
+
+        def log_function(zeta: np.ndarray) -> np.ndarray:
+            k = wavenumber(zeta)
+            return np.asarray(log_secular(k, k, k, omega, stack, True))
+
+    else:
+        base = ground.layers[-1]
+        ks = omega / base.shear_speed / np.sqrt(1.0 + 1j * base.loss_factor)
+        e = (base.shear_speed / base.dilatational_speed) ** 2
+        nearest, farthest = _NEAREST, float(np.arccosh(slowest * base.shear_speed / omega))
+        # Where the lines of Re k = ω/c_s and of the largest decay meet.
+        deepest = float(np.arccos(2.0 / (most_decay + np.sqrt(most_decay**2 + 4.0))))
+
+        def wavenumber(zeta: np.ndarray) -> np.ndarray:
+            return np.asarray(ks * np.cosh(zeta))
+
+        def log_function(zeta: np.ndarray) -> np.ndarray:
+            cosh = np.cosh(zeta)
+            p, s = ks * np.sqrt(cosh**2 - e), ks * np.sinh(zeta)
+            return np.asarray(log_secular(ks * cosh, p, s, omega, stack, False))
+
+    return wavenumber(_zeros_inside(log_function, nearest, farthest, deepest))
+
+
+def _zeros_inside(
+    log_function: Callable[[np.ndarray], np.ndarray], left: float, right: float, depth: float
+) -> np.ndarray:
+    """Return the zeros between two limits, from a margin above the real axis to one below a depth."""
+    for margin in _MARGINS:
         try:
-            return 1.0 / complex(surface_flexibility(k, omega, stack, rigid))
-        except ZeroDivisionError:  # exactly on the pole
-            return 0j
-
-    found: list[complex] = []
-    for candidate in near:
-        first = complex(candidate.real, -abs(candidate.imag))
-        with np.errstate(invalid="ignore", over="ignore"):  # of a search that runs away
-            k, search = newton(
-                inverse,
-                first,
-                x1=first * (1.0 + 1e-6),
-                tol=1e-13 * abs(first),
-                maxiter=_MOST_STEPS,
-                full_output=True,
-                disp=False,
-            )
-        close = abs(k - first) < 0.1 * abs(first)
-        decays = abs(k.imag) <= limit * k.real
-        slower = rigid or k.real > omega / fastest
-        new = all(abs(k - each) > 1e-7 * abs(each) for each in found)
-        if search.converged and close and decays and slower and new:
-            found.append(k)
-    return np.sort(omega / np.array([each.real for each in found]))
+            return zeros(log_function, complex(left, -depth - margin), complex(right, margin))
+        except ArithmeticError as error:
+            failure = error
+    raise failure

@@ -1,10 +1,12 @@
 """Phase speeds of the Rayleigh modes against disba."""
 
 import itertools
+from collections import defaultdict
 
 import numpy as np
 import pytest
 
+from railvib.parameters.ground import Ground, Layer
 from railvib.soil.surface_waves import surface_wave_speeds
 from tests.consistency.reference import damped, rows
 
@@ -30,3 +32,32 @@ def test_fundamental_mode_is_continuous(greby):
     nearly_elastic = damped(greby, 1e-4)
     speeds = [surface_wave_speeds(nearly_elastic, f)[0] for f in np.geomspace(1.0, 100.0, 25)]
     assert all(later < earlier for earlier, later in itertools.pairwise(speeds))
+
+
+MODES = defaultdict(dict)
+for row in rows("dispersion_modes"):
+    MODES[row["model"], float(row["frequency_hz"])][int(row["mode"])] = float(row["speed_m_s"])
+
+
+def model(name, loss_factor):
+    return Ground(
+        layers=[
+            Layer(
+                shear_speed=float(row["shear_speed_m_s"]),
+                dilatational_speed=float(row["dilatational_speed_m_s"]),
+                density=float(row["density_kg_m3"]),
+                loss_factor=loss_factor,
+                thickness=float(row["thickness_m"]) if row["thickness_m"] else None,
+            )
+            for row in rows("dispersion_models")
+            if row["model"] == name
+        ]
+    )
+
+
+@pytest.mark.parametrize("loss_factor", [0.0, 1e-5])
+@pytest.mark.parametrize(("name", "frequency"), MODES)
+def test_models_of_bug_reports(name, frequency, loss_factor):
+    speeds = surface_wave_speeds(model(name, loss_factor), frequency)
+    for mode, speed in MODES[name, frequency].items():
+        assert speeds[mode] == pytest.approx(speed, abs=0.005)

@@ -1,5 +1,6 @@
 """Slow, plain and independent computations that judge the package's: nothing here uses its fits or tables."""
 
+import math
 from collections.abc import Sequence
 from decimal import Decimal, localcontext
 
@@ -214,3 +215,59 @@ def receptance_by_quadrature(
         middle = 0.5 * (low + high)[~good]
         low, high = np.concatenate([low[~good], middle]), np.concatenate([middle, high[~good]])
     raise ArithmeticError("the judge's quadrature does not converge")
+
+
+def rayleigh_mode_count(ground: Ground, wavenumber: np.ndarray, frequency: float) -> np.ndarray:
+    """Return how many Rayleigh modes of the undamped ground have a frequency below this one, at wavenumbers
+    (n,) above those of the base's body waves.
+
+    Wittrick and Williams (1971): the negative eigenvalues of the dynamic stiffness of all interfaces, in
+    sublayers so thin that none resonates between fixed faces. Over frequency at one wavenumber it counts each
+    mode once; over wavenumber at one frequency a mode with energy going backwards counts −1.
+    """
+    k = np.asarray(wavenumber, float)
+    omega = 2.0 * np.pi * frequency
+    above = np.zeros((k.size, 2, 2))
+    negative = np.zeros(k.size, int)
+    for layer in ground.layers:
+        if layer.thickness is None:
+            above = above + _psv_stiffness(layer, k, omega, None)
+            return negative + (np.linalg.eigvalsh(above) < 0.0).sum(axis=1)
+        thin = min(0.4 * np.pi * layer.shear_speed / omega, 2.0 / k.max())
+        number = math.ceil(layer.thickness / thin)
+        stiffness = _psv_stiffness(layer, k, omega, layer.thickness / number)
+        for _ in range(number):
+            pivot = above + stiffness[:, :2, :2]
+            negative += (np.linalg.eigvalsh(pivot) < 0.0).sum(axis=1)
+            coupling = stiffness[:, :2, 2:]
+            above = stiffness[:, 2:, 2:] - coupling.swapaxes(1, 2) @ np.linalg.solve(pivot, coupling)
+    return negative
+
+
+def _psv_stiffness(layer: Layer, k: np.ndarray, omega: float, thickness: float | None) -> np.ndarray:
+    """Return the real dynamic stiffness of a layer's two faces (n, 4, 4), or of a half-space's surface (n, 2,
+    2).
+    """
+    shear = layer.density * layer.shear_speed**2
+    lame = layer.density * layer.dilatational_speed**2 - 2.0 * shear
+    displacement, traction = [], []
+    for speed in (layer.dilatational_speed, layer.shear_speed):
+        root = np.sqrt(k**2 - (omega / speed) ** 2 + 0j)
+        for q in (-root,) if thickness is None else (-root, root):
+            faces = []
+            for depth, outward in ((0.0, -1.0), (thickness, 1.0)):
+                if depth is None:
+                    continue
+                wave = np.exp(q * depth)
+                # From the potential of the wave and its derivatives over depth; u_x and τ_xz over −i.
+                p = np.array([1.0 + 0.0 * q, q, q * q]) * wave * (speed == layer.dilatational_speed)
+                s = np.array([1.0 + 0.0 * q, q, q * q]) * wave * (speed == layer.shear_speed)
+                u, w = k * p[0] + s[1], p[1] + k * s[0]
+                du, dw = k * p[1] + s[2], p[2] + k * s[1]
+                stress = shear * (du + k * w), (lame + 2.0 * shear) * dw - lame * k * u
+                faces.append((u, w, outward * stress[0], outward * stress[1]))
+            displacement.append([part for face in faces for part in face[:2]])
+            traction.append([part for face in faces for part in face[2:]])
+    u, t = (np.moveaxis(np.array(each), 2, 0).swapaxes(1, 2) for each in (displacement, traction))
+    stiffness = (t @ np.linalg.inv(u)).real
+    return np.asarray(0.5 * (stiffness + stiffness.swapaxes(1, 2)))
