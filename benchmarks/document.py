@@ -20,7 +20,7 @@ from benchmarks.sections import growth, kernel, paper, transfer
 from benchmarks.sizes import Size
 from railvib.numerics import threads
 from sweep.host import host_class
-from sweep.run import LIBRARIES
+from sweep.manifest import LIBRARIES
 from sweep.storage.folder import Folder
 
 SCHEMA = 1

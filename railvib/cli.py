@@ -5,12 +5,15 @@ command is loaded when it is asked for: `railvib library` does not import the en
 before the workers are on their way.
 """
 
+import errno
+import os
 from importlib import metadata
 from typing import Any
 
 import click
 
-from railvib.errors import InputError
+from railvib import signals
+from railvib.errors import InputError, printable
 
 ENTRY_POINTS = "railvib.commands"
 
@@ -18,7 +21,22 @@ ENTRY_POINTS = "railvib.commands"
 class RefusedRequest(click.ClickException):
     """A wrong request: one line on standard error, exit code 2."""
 
-    exit_code = 2
+    exit_code: int = 2  # type: ignore[misc]
+
+    def format_message(self) -> str:
+        """Return the message in one line, without what would steer a terminal."""
+        return printable(self.message).replace("\n", "\\n")
+
+
+class UnusablePlace(RefusedRequest):
+    """A file, a folder or a means of this machine that cannot be used: exit code 2, or 1 if it is full."""
+
+    def __init__(self, error: OSError) -> None:
+        reason = error.strerror or f"{type(error).__name__}: {error}"
+        names = [os.fsdecode(name) for name in (error.filename, error.filename2) if name is not None]
+        super().__init__(f"{' and '.join(names)}: {reason}" if names else reason)
+        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            self.exit_code = 1
 
 
 class Commands(click.Group):
@@ -38,9 +56,17 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a sub-command."""
         try:
-            return super().invoke(ctx)
-        except InputError as error:
-            raise RefusedRequest(str(error)) from error
+            with signals.raised():
+                return super().invoke(ctx)
+        except (KeyboardInterrupt, Exception) as error:
+            if isinstance(error, KeyboardInterrupt) or signals.received():
+                click.echo("interrupted", err=True)
+                ctx.exit(signals.INTERRUPTED)
+            if isinstance(error, InputError):
+                raise RefusedRequest(str(error)) from error
+            if isinstance(error, OSError) and error.errno != errno.EPIPE:  # which means that nobody reads on
+                raise UnusablePlace(error) from error
+            raise
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

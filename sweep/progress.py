@@ -32,7 +32,7 @@ class Log:
 
     def __init__(self, directory: Path, run_id: str) -> None:
         self._file = (directory / LOG).open("a", encoding="utf-8")
-        self._run_id = run_id
+        self.run_id = run_id
 
     def __enter__(self) -> Self:
         """Return the open log."""
@@ -46,7 +46,7 @@ class Log:
         """Append one line and hand it to the system at once, for whoever follows the file."""
         line = {
             "time": datetime.now(UTC).isoformat(timespec="milliseconds"),
-            "run_id": self._run_id,
+            "run_id": self.run_id,
             "event": event,
         }
         self._file.write(json.dumps({**line, **facts}, ensure_ascii=False) + "\n")

@@ -10,7 +10,7 @@ from typing import Any
 from railvib.errors import InputError
 from railvib.stages import Stage
 from sweep.forecast.pilot import Rates
-from sweep.run import Request
+from sweep.request import Request
 from sweep.storage.cache import CACHE_BYTES
 from sweep.unit import Unit, work
 

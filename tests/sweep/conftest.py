@@ -9,7 +9,7 @@ def computed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("computed")
     (folder / "small.toml").write_text(STUDY, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sweep.cli.AFTER_RUN", "none")
+        patch.setattr("sweep.hooks.AFTER_RUN", "none")
         result = invoke("run", folder / "small.toml", "--out", folder / "out", "--workers", 0)
     assert result.exit_code == 0, result.output
     return folder

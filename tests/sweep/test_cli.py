@@ -20,7 +20,7 @@ from tests.sweep.small import STUDY, invoke
 def here(tmp_path, monkeypatch):
     """Return an empty directory to work in, where railvib publishes nothing after a run."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
     return tmp_path
 
@@ -164,7 +164,7 @@ def test_a_failed_task_is_told_and_resumed(here, monkeypatch):
     assert len(list(records.committed(here / "runs" / "small", "spectra"))) == 1  # the full model needs none
     monkeypatch.undo()
     monkeypatch.chdir(here)
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     assert invoke("resume", "runs/small", "--failed", "--workers", 0).exit_code == 0
     assert "1 of 1 complete" in invoke("status", "runs/small").output
     assert list(records.failed(here / "runs" / "small")) == []
@@ -242,7 +242,7 @@ def test_who_publishes_is_told_when_the_last_task_begins(here, monkeypatch):
             self.said("exit")
 
     hook = SimpleNamespace(load=lambda: Publisher)
-    monkeypatch.setattr("sweep.cli.metadata", SimpleNamespace(entry_points=lambda group: [hook]))
+    monkeypatch.setattr("sweep.hooks.metadata", SimpleNamespace(entry_points=lambda group: [hook]))
     assert invoke("run", "small.toml", "--workers", 0).exit_code == 0
     tasks = said[-1][1]
     # The last but one has ended, and is about to be logged.

@@ -34,7 +34,7 @@ KILL = "os.kill(os.getpid(), signal.SIGKILL)"
 def folder(tmp_path, monkeypatch):
     """Return a folder with the small study; the tests themselves make the database."""
     (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     return tmp_path
 
 

@@ -30,7 +30,7 @@ def unit(text, approach):
 
 def test_degenerate_model_stores_what_moving_roughness_stores(tmp_path, monkeypatch):
     (tmp_path / "both.toml").write_text(BOTH, encoding="utf-8")
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     result = invoke("run", tmp_path / "both.toml", "--out", tmp_path / "out", "--workers", 0)
     assert result.exit_code == 0, result.output
     made = {}

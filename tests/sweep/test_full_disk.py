@@ -12,8 +12,8 @@ from tests.sweep.small import STUDY, invoke
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
-    monkeypatch.setattr("sweep.cli.VERIFY", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.VERIFY", "none")
     return tmp_path
 
 
@@ -22,7 +22,7 @@ def check_stopped(process, directory, reason):
     code, errors = driver.ended(process)
     assert code == 1
     assert reason in errors
-    assert "what was stored before is whole. Make space, and continue with: railvib resume" in errors
+    assert "what was stored before is whole; make space, and continue with: railvib resume" in errors
     assert "Traceback" not in errors
     assert list(records.failed(directory)) == []
     assert "damaged   0" in invoke("status", "--verify", directory).output

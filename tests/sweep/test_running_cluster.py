@@ -22,7 +22,7 @@ DASK = [sys.executable, "-m", "dask"]
 def here(tmp_path, monkeypatch):
     """Return an empty directory to work in, where railvib publishes nothing after a run."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
     return tmp_path
 

@@ -21,8 +21,8 @@ def units(manifest, scope):
 
 @pytest.mark.slow
 def test_two_drivers_share_a_store(tmp_path, computed, monkeypatch):
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
-    monkeypatch.setattr("sweep.cli.VERIFY", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.VERIFY", "none")
     shared = tmp_path / "shared"
     for name, speeds in (("one", "[30, 31]"), ("other", "[32, 30]")):
         text = STUDY.replace('"small"', f'"{name}"').replace("[30]", speeds)

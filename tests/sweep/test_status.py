@@ -12,8 +12,8 @@ from tests.sweep.small import invoke
 @pytest.fixture
 def copy(computed, tmp_path, monkeypatch):
     """Return a copy of the small study's finished run, published by nobody."""
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
-    monkeypatch.setattr("sweep.cli.VERIFY", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.VERIFY", "none")
     return shutil.copytree(computed / "out", tmp_path / "out")
 
 
@@ -125,7 +125,7 @@ def test_the_database_is_derived(copy, monkeypatch, how):
     from queries.database.ingest import ingest
 
     ingest(copy)
-    monkeypatch.setattr("sweep.cli.VERIFY", "railvib.verify")
+    monkeypatch.setattr("sweep.hooks.VERIFY", "railvib.verify")
     database = copy / "results.duckdb"
     assert invoke("status", "--verify", copy).exit_code == 0
     if how == "deleted":

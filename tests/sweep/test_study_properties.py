@@ -17,7 +17,7 @@ from railvib import library
 from railvib.numerics.third_octaves import midbands
 from railvib.parameters.approach import APPROACHES
 from sweep import study
-from sweep.run import prepare
+from sweep.request import prepare
 from sweep.wanted import spectra_unit
 
 SHELVES = {
@@ -215,13 +215,13 @@ def test_the_number_of_workers_enters_no_id(tmp_path, monkeypatch):
 
     (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
     planned = []
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
 
     def execute(request, directory, launch, *_):
         planned.append((launch.workers, request))
         return 0
 
-    monkeypatch.setattr("sweep.run.execute", execute)
+    monkeypatch.setattr("sweep.driver.execute", execute)
     for workers in (0, 1, 3):
         done = invoke("run", tmp_path / "small.toml", "--out", tmp_path / "out", "--workers", workers)
         assert done.exit_code == 0, done.output

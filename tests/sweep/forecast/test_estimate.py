@@ -14,7 +14,7 @@ from railvib.stages import Work
 from railvib.stages.train_integrals import ReceiverTrainIntegrals
 from sweep import study
 from sweep.forecast import estimate, pilot
-from sweep.run import prepare
+from sweep.request import prepare
 from sweep.storage import records
 from sweep.unit import work
 from sweep.workers import forks
@@ -57,7 +57,7 @@ def rates():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", STUDIES)
 def test_a_run_takes_what_was_planned(name, rates, tmp_path, monkeypatch):
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     (tmp_path / "study.toml").write_text(text(name), encoding="utf-8")
     result = invoke("run", tmp_path / "study.toml", "--out", tmp_path / "out", "--workers", 1)
     assert result.exit_code == 0, result.output

@@ -61,7 +61,7 @@ def test_moving_loads_are_those_of_the_full_model(computed, grid):
 
 
 def test_without_a_full_model_nothing_moves(tmp_path, monkeypatch):
-    monkeypatch.setattr("sweep.cli.AFTER_RUN", "none")
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     text = STUDY.replace('["moving-roughness", "full"]', '["moving-roughness"]')
     text = text.replace('reference = "full"', 'reference = "moving-roughness"')
     (tmp_path / "standing.toml").write_text(text, encoding="utf-8")

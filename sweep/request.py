@@ -1,0 +1,118 @@
+"""A study, its cases and the plan of what it needs, checked against a directory before anything runs."""
+
+import math
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from railvib.errors import InputError
+from sweep import plan
+from sweep.running.lock import LOCK
+from sweep.storage import location, records
+from sweep.study import Case, Resolved
+from sweep.unit import Unit
+from sweep.wanted import spectra_unit
+
+MOST_CASES = 200_000
+"""Of one study; the plan of a case takes some 54 kB of the driver's memory."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A study with its cases and the plan of what it needs.
+
+    Attributes
+    ----------
+    wanted
+        Per case and approach, the unit that holds its result.
+    store
+        Where results lie that cases share, if not with the run.
+    """
+
+    resolved: Resolved
+    cases: tuple[Case, ...]
+    wanted: Mapping[tuple[str, str], Unit]
+    plan: plan.Plan
+    store: str | None = None
+
+    def resting_on(self, identities: Set[str]) -> "Request":
+        """Return the request with a plan for those results only that rest on one of these units."""
+        return replace(self, plan=self.plan.resting_on(identities))
+
+
+def prepare(resolved: Resolved, directory: Path, store: str | None = None, complete: bool = False) -> Request:
+    """Plan a study against what a directory and a store outside hold already; writes nothing.
+
+    Parameters
+    ----------
+    resolved
+        The study.
+    directory
+        Where its results are or shall be.
+    store
+        Path or address of the store outside; without one, that of the directory's latest run.
+    complete
+        Plan also what is missing of what finished results rest on.
+
+    Raises
+    ------
+    InputError
+        If the directory belongs to another study, or to something else, or the store cannot be used.
+    """
+    check_directory(directory, resolved.study.study.name)
+    check_number(resolved)
+    store = location.address(store) if store else next(map(str, records.homes(directory)[1:]), None)
+    present = records.listed(directory)
+    if store:
+        location.at(store).check()
+        present |= records.listed(store)
+    cases = tuple(resolved.cases())
+    wanted: dict[tuple[str, str], Unit] = {
+        (case.case_id, approach): spectra_unit(resolved, case, approach)
+        for case in cases
+        for approach in resolved.study.approaches.compare
+    }
+    made = plan.make(wanted.values(), present, complete)
+    return Request(resolved, cases, wanted, made, store)
+
+
+def check_number(resolved: Resolved) -> None:
+    """Check that a study has not more cases than the driver's memory can plan.
+
+    Raises
+    ------
+    InputError
+        Naming the longest axis.
+    """
+    axes = {name: getattr(resolved.study.sweep, name) for name in type(resolved.study.sweep).model_fields}
+    number = math.prod(map(len, axes.values()))
+    if number > MOST_CASES:
+        longest = max(axes, key=lambda name: len(axes[name]))
+        raise InputError(
+            f"sweep.{longest}: {len(axes[longest])} values make {number} cases; must be at most {MOST_CASES}:"
+            " split this axis over studies that share a --store"
+        )
+
+
+def check_directory(directory: Path, name: str) -> None:
+    """Check that a directory is free, or holds earlier runs of the study of this name.
+
+    Raises
+    ------
+    InputError
+        If it does not.
+    """
+    if not directory.exists() or (
+        directory.is_dir() and {path.name for path in directory.iterdir()} <= {LOCK}
+    ):
+        return
+    try:
+        other = records.Run.load(directory)["study_name"]
+    except (OSError, ValueError, KeyError):
+        raise InputError(
+            f"--out = {str(directory)!r}: holds something else; must be new, empty or of the study {name!r}"
+        ) from None
+    if other != name:
+        raise InputError(
+            f"--out = {str(directory)!r}: is of the study {other!r}; must be new, empty or of {name!r}"
+        )
