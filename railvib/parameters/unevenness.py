@@ -66,9 +66,13 @@ OWN_FIELDS: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 """What a form needs of `FORM_FIELDS`, as alternatives; the others are refused. Forms not listed need none."""
 
-# Every form is smooth over ln β, its nearest singularity π/2 off the axis: over panels of unit width twelve
-# Gauss points leave rounding only.
+# Every form but tables and power laws is smooth over ln β, its nearest singularity π/2 off the axis: over
+# panels of unit width twelve Gauss points leave rounding only.
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+STEEPEST = 50.0
+"""Largest |d ln S/d ln β| with which a spectrum continues beyond a table: 50 dB per one-third octave."""
 
 
 class UnevennessBands(NamedTuple):
@@ -139,6 +143,29 @@ class Unevenness(Parameters):
         steps = np.diff(self.wavelength)
         if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
             raise ValueError("wavelength_m must ascend or descend throughout, each value once")
+        with np.errstate(over="ignore"):
+            density = self._knots[1]
+        if not np.all((density > 0.0) & np.isfinite(density)):
+            raise ValueError("the table's spectral densities must be positive and finite, in m3")
+        return self
+
+    @model_validator(mode="after")
+    def _continuation_is_not_too_steep(self) -> Self:
+        slopes: dict[str, float] = {}
+        if self.form == "power-law":
+            slopes = {"exponent": _given(self.exponent)}
+        elif self.form == "table":
+            slope = _slopes(*self._knots).tolist()
+            slopes = {
+                "the table's slope at its long end": slope[0],
+                "the table's slope at its short end": slope[-1],
+            }
+        for name, value in slopes.items():
+            if not abs(value) <= STEEPEST:
+                raise ValueError(
+                    f"{name} = {value:.3g}: |d ln S/d ln wavenumber| must be {STEEPEST:g} or less where the "
+                    "spectrum continues"
+                )
         return self
 
     @model_validator(mode="after")
@@ -294,7 +321,12 @@ class Unevenness(Parameters):
         # Cut at the knots of a table, and into panels of at most unit width in the logarithm.
         knots = self._knots[0]
         ends = np.sort(np.clip(knots, start[inside, None], stop[inside, None]), axis=1)
-        limits = np.log(np.concatenate([start[inside, None], ends, stop[inside, None]], axis=1))
+        limits = np.concatenate([start[inside, None], ends, stop[inside, None]], axis=1)
+        result = np.zeros(start.size)
+        if self.form in ("table", "power-law"):
+            result[inside] = _power_law_integrals(limits, self._uncut_psd(limits)).sum(axis=1)
+            return result.reshape(lower.shape)
+        limits = np.log(limits)
         first, width = limits[:, :-1].ravel(), np.diff(limits, axis=1).ravel()
         count = np.maximum(np.ceil(width), 1.0).astype(int)
         owner = np.repeat(np.arange(count.size), count)
@@ -302,7 +334,6 @@ class Unevenness(Parameters):
         half = 0.5 * (width / count)[owner, None]
         beta = np.exp(first[owner, None] + half * (2.0 * place[:, None] + 1.0 + GAUSS_POINTS))
         part = (half * GAUSS_WEIGHTS * self._uncut_psd(beta) * beta).sum(axis=1)
-        result = np.zeros(start.size)
         result[inside] = np.bincount(owner // (knots.size + 1), part, np.count_nonzero(inside))
         return result.reshape(lower.shape)
 
@@ -312,9 +343,24 @@ def _power_laws_between(
 ) -> NDArray[np.float64]:
     """Interpolate log S linearly over log β, and continue the first and last segments beyond the table."""
     x, y = np.log(knots), np.log(density)
-    slope = np.diff(y) / np.diff(x)
+    slope = _slopes(knots, density)
     segment = np.clip(np.searchsorted(knots, beta) - 1, 0, slope.size - 1)
     return np.asarray(np.exp(y[segment] + slope[segment] * (np.log(beta) - x[segment])))
+
+
+def _slopes(knots: NDArray[np.float64], density: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return d ln S/d ln β between the points of a table."""
+    return np.asarray(np.diff(np.log(density)) / np.diff(np.log(knots)))
+
+
+def _power_law_integrals(beta: NDArray[np.float64], density: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ∫ S dβ of the power laws between neighbouring wavenumbers, given with S along the last axis."""
+    # ∫ βS d ln β, with βS exponential in ln β, written from the larger end so that nothing overflows.
+    value = beta * density
+    width = np.diff(np.log(beta))
+    change = np.abs(np.diff(np.log(value)))
+    mean = np.divide(-np.expm1(-change), change, out=np.ones_like(change), where=change > 0.0)
+    return np.asarray(np.maximum(value[..., 1:], value[..., :-1]) * width * mean)
 
 
 def _wavenumbers(shortest: float, longest: float) -> tuple[float, float]:

@@ -179,6 +179,38 @@ def test_table_with_kinks_is_integrated_exactly():
     assert table.band_mean_square(0.1, 30.0) == pytest.approx(exact.sum(), rel=1e-11)
 
 
+@pytest.mark.parametrize("slope", [-3.0, -1.0, 0.0, 40.0, -49.0, 700.0, -1e4, 1e5])
+def test_steep_tables_are_integrated_exactly(slope):
+    """A table that rises or falls by a power of β between its middle points, by long arithmetic."""
+    beta = np.array([0.5, 1.0, 1.0 + 30.0 / max(abs(slope), 30.0), 8.0])
+    density = np.array([1e-7, 1e-7, 1e-7 * (beta[2] / beta[1]) ** slope, 0.0])
+    density[3] = density[2]
+    table = Unevenness(
+        form="table", wavelength=tuple((2 * np.pi / beta).tolist()), spectral_density=tuple(density.tolist())
+    )
+    # The rounding of 2π/λ moves the points by some 1e-16, which a steep slope makes a change of S.
+    knots = 2.0 * np.pi / np.array(table.wavelength)
+    x, y = np.log(knots.astype(np.longdouble)), np.log(density.astype(np.longdouble))
+    power = 1 + np.diff(y) / np.diff(x)
+    start, stop = np.exp(x + y)[:-1], np.exp(x + y)[1:]
+    exact = np.where(
+        np.abs(power) > 1e-9, (stop - start) / np.where(power == 0, 1, power), start * np.diff(x)
+    )
+    for low, high in ((0, 3), (1, 2), (0, 1)):
+        result = table.band_mean_square(knots[low], knots[high])
+        assert float(result) == pytest.approx(float(exact[low:high].sum()), rel=1e-10)
+
+
+@pytest.mark.parametrize("exponent", [-50.0, 0.0, 1.0, 3.0, 50.0])
+def test_power_laws_are_integrated_exactly(exponent):
+    law = Unevenness(form="power-law", amplitude=1e-8, exponent=exponent)
+    n = np.array([0.02, 30.0])
+    primitive = np.log(n) if exponent == 1.0 else n ** (1.0 - exponent) / (1.0 - exponent)
+    assert float(law.band_mean_square(*(2.0 * np.pi * n))) == pytest.approx(
+        1e-8 * (primitive[1] - primitive[0]), rel=1e-12
+    )
+
+
 def test_table_of_levels_returns_its_levels():
     wavelength = third_octaves.midbands(0.5, 50.0)
     level = 30.0 + 18.0 * np.log10(wavelength)
@@ -217,6 +249,16 @@ def test_third_octaves_of_the_paper():
         ({"form": "table", "wavelength": (1.0, 2.0), "level": (1.0,)}, "wavelength_m has 2 values"),
         ({"form": "table", "wavelength": (1.0, 1.0), "level": (1.0, 2.0)}, "ascend or descend"),
         ({"form": "table", "wavelength": (1.0, -2.0), "level": (1.0, 2.0)}, r"wavelength.*\[1\] = -2"),
+        (
+            {"form": "table", "wavelength": (1.0, 1.0001), "spectral_density": (1e-7, 2e-7)},
+            "slope at its long end = -6.93e\\+03: .* must be 50 or less",
+        ),
+        (
+            {"form": "table", "wavelength": (4.0, 1.0, 0.99), "spectral_density": (1e-7, 1e-8, 1e-9)},
+            "slope at its short end = -229: .* must be 50 or less",
+        ),
+        ({"form": "table", "wavelength": (1.0, 2.0), "level": (1e4, 1e4)}, "must be positive and finite"),
+        ({"form": "power-law", "amplitude": 1e-8, "exponent": 60.0}, "exponent = 60: .* must be 50 or less"),
         ({"form": "power-law", "amplitude": 1e-8}, "needs amplitude_m3 and exponent"),
         (
             {"form": "sncf-good", "minimum_wavelength": 3.0, "maximum_wavelength": 2.0},
