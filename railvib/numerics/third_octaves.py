@@ -1,4 +1,4 @@
-"""One-third-octave bands of IEC 61260-1 (base ten), mean squares of spectra in them, and levels.
+"""One-third-octave bands of IEC 61260-1 (base ten), and mean squares of spectra in them.
 
 Exact midbands are 10^(n/10), edges lie at 10^(±1/20) of them; the nominal names (31.5) are labels only.
 The same series serves frequencies in Hz and wavelengths in m.
@@ -11,12 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railvib.errors import InputError
-
-VELOCITY_REFERENCE = 1e-9
-"""m/s, ISO 1683."""
-
-US_VELOCITY_REFERENCE = 2.54e-8
-"""m/s: one micro-inch per second, of the VdB used in the United States (FTA)."""
 
 UNEVENNESS_REFERENCE = 1e-6
 """m, EN 15610."""
@@ -122,20 +116,6 @@ def band_mean_squares(frequency: ArrayLike, psd: ArrayLike, midband: ArrayLike) 
     trapezoidal = density @ _weights(*bounds, grid.size, 2) * step
     resolved = (polynomial > 0.5 * trapezoidal) & (polynomial < 2.0 * trapezoidal)
     return np.where(resolved, polynomial, trapezoidal)
-
-
-def level(mean_square: ArrayLike, reference: float) -> NDArray[np.float64]:
-    """Return 10 lg(mean square / reference²) in dB; −∞ for a mean square of 0.
-
-    Parameters
-    ----------
-    mean_square
-        Mean squares in the square of the reference's unit.
-    reference
-        Reference value, such as `VELOCITY_REFERENCE`.
-    """
-    with np.errstate(divide="ignore"):
-        return np.asarray(10.0 * np.log10(np.asarray(mean_square, dtype=np.float64) / reference**2))
 
 
 def _uniform_step(grid: NDArray[np.float64], density: NDArray[np.float64]) -> float:

@@ -149,14 +149,3 @@ def test_refused_densities(value):
         third_octaves.band_mean_squares(frequency, psd, [10.0])
     with pytest.raises(InputError, match="last axis"):
         third_octaves.band_mean_squares(frequency, psd[1:], [10.0])
-
-
-def test_levels():
-    mean_square = np.array([1e-6, 0.0]) ** 2
-    assert third_octaves.level(mean_square, third_octaves.VELOCITY_REFERENCE)[0] == pytest.approx(60.0)
-    assert third_octaves.level(mean_square, third_octaves.VELOCITY_REFERENCE)[1] == -np.inf
-    # 1 micro-inch/s: VdB are 28.1 dB below levels re 1e-9 m/s.
-    difference = third_octaves.level(1.0, third_octaves.VELOCITY_REFERENCE) - third_octaves.level(
-        1.0, third_octaves.US_VELOCITY_REFERENCE
-    )
-    assert difference == pytest.approx(28.1, abs=0.01)
