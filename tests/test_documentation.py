@@ -1,20 +1,45 @@
-"""What the documentation shows as code runs and prints what it says."""
+"""The documentation: its examples run, its links lead somewhere, and the modules that it names exist."""
 
 import doctest
+import re
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = [
-    path
-    for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
-    if ">>>" in path.read_text(encoding="utf-8")
-]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+EXAMPLES = [page for page in PAGES if ">>>" in page.read_text(encoding="utf-8")]
+LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
+MODULE_LINE = re.compile(r"^Modules?:.*?\.(?=\s|$)", re.MULTILINE | re.DOTALL)
+DECISIONS = ROOT / "docs" / "decisions"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def name(page):
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", EXAMPLES, ids=name)
 def test_examples_print_what_they_say(page):
     result = doctest.testfile(str(page), module_relative=False, optionflags=doctest.NORMALIZE_WHITESPACE)
     assert result.attempted > 0
     assert result.failed == 0
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_links_lead_to_files(page):
+    links = LINK.findall(page.read_text(encoding="utf-8"))
+    assert [link for link in links if not (page.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs" / "theory").glob("*.md")), ids=name)
+def test_theory_names_modules_that_exist(page):
+    line = MODULE_LINE.search(page.read_text(encoding="utf-8"))
+    modules = re.findall(r"`([a-z_/]+)`", line.group())
+    assert modules
+    assert [module for module in modules if not (ROOT / "railvib" / f"{module}.py").is_file()] == []
+
+
+def test_every_decision_is_listed_once():
+    listed = LINK.findall((DECISIONS / "README.md").read_text(encoding="utf-8"))
+    pages = [path.name for path in DECISIONS.glob("*.md") if path.name != "README.md"]
+    assert sorted(link for link in listed if "/" not in link) == sorted(pages)
