@@ -1,16 +1,12 @@
 """Soils, tracks, vehicles, trains and unevenness with their sources."""
 
-from railvib.library.catalogue import (
-    DOCUMENTATION,
-    KINDS,
+from railvib.library.catalogue import DOCUMENTATION, KINDS, Entry, Kind, entry, names
+from railvib.library.definitions import (
+    MODELS,
     Definition,
     Definitions,
-    Entry,
-    Kind,
     build,
-    entry,
     load,
-    names,
     resolve,
     resolve_train,
 )
@@ -18,6 +14,7 @@ from railvib.library.catalogue import (
 __all__ = [
     "DOCUMENTATION",
     "KINDS",
+    "MODELS",
     "Definition",
     "Definitions",
     "Entry",

@@ -9,7 +9,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from railvib.library import catalogue
+from railvib.library import catalogue, load
 from railvib.library.catalogue import Entry, Kind
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import unit_of
@@ -67,7 +67,7 @@ def _parameters(entry: Entry) -> Table:
 
 def _summary(entry: Entry) -> str:
     """Return what follows from the parameters and a reader would want beside them."""
-    match catalogue.load(entry.kind, entry.name):
+    match load(entry.kind, entry.name):
         case Train() as train:
             return f"Length {train.length:g} m, {train.axle_count} axles; vehicles from the head to the tail"
         case Vehicle() as vehicle:

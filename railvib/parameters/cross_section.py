@@ -9,8 +9,9 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
+from railvib.errors import InputError
 from railvib.parameters.track import Track, TrackLayer
-from railvib.parameters.validation import Parameters, Positive
+from railvib.parameters.validation import Integer, Number, Parameters
 
 
 class CrossSection(Parameters):
@@ -28,13 +29,13 @@ class CrossSection(Parameters):
         is asked for with more than one element.
     """
 
-    layer_height: Positive = Field(default=0.35, alias="layer_height_m")
+    layer_height: Number = Field(default=0.35, alias="layer_height_m", ge=0.01, le=10.0)
     """Height of every layer between the sleepers or the slab and the ground, m."""
-    poisson_ratio: float = Field(default=0.2, ge=0.0, lt=0.5)
+    poisson_ratio: Number = Field(default=0.2, ge=0.0, lt=0.5)
     """Poisson's ratio of these layers."""
-    elements: int = Field(default=8, ge=1, le=64)
+    elements: Integer = Field(default=8, ge=1, le=64)
     """Boundary elements from the centre line to the edge, each under one column of finite elements."""
-    rows: int = Field(default=3, ge=1, le=64)
+    rows: Integer = Field(default=3, ge=1, le=64)
     """Rows of finite elements in a layer."""
     bed: Literal["solid", "columns"] = "solid"
     """Viscoelastic solids, or independent columns of lumped springs with consistent mass."""
@@ -46,9 +47,9 @@ class CrossSection(Parameters):
     @model_validator(mode="after")
     def _choices_fit(self) -> Self:
         if self.bed == "columns" and self.contact == "bonded":
-            raise ValueError('contact = "bonded": columns carry no horizontal stress, so must be "smooth"')
+            raise InputError('.contact = "bonded": columns carry no horizontal stress, so must be "smooth"')
         if self.displacement == "centre" and (self.bed, self.elements) != ("columns", 1):
-            raise ValueError('displacement = "centre": needs bed = "columns" and elements = 1')
+            raise InputError('.displacement = "centre": needs bed = "columns" and elements = 1')
         return self
 
     def constrained_modulus(self, track: Track, layer: TrackLayer) -> float:

@@ -14,7 +14,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from railvib.errors import InputError
-from railvib.parameters.validation import LossFactor, Parameters, Positive
+from railvib.parameters.validation import LossFactor, Number, Parameters
+
+USUAL_DENSITY = 500.0, 3500.0
+"""kg/m³, from peat to heavy rock; beyond, a density was probably given in another unit."""
 
 
 @cache
@@ -32,30 +35,37 @@ class Layer(Parameters):
     Raises
     ------
     InputError
-        If a value is not positive and finite, or if the dilatational speed does not exceed √(4/3) of the
-        shear speed (which would be a negative bulk modulus).
+        If a value is out of range, or if the dilatational speed does not exceed √(4/3) of the shear speed
+        (which would be a negative bulk modulus).
     """
 
-    shear_speed: Positive = Field(alias="shear_speed_m_s")
+    shear_speed: Number = Field(alias="shear_speed_m_s", ge=10.0, le=5000.0)
     """Speed of shear waves without damping, m/s."""
-    dilatational_speed: Positive = Field(alias="dilatational_speed_m_s")
+    dilatational_speed: Number = Field(alias="dilatational_speed_m_s", ge=10.0, le=1e5)
     """Speed of dilatational waves without damping, m/s."""
-    density: Positive = Field(alias="density_kg_m3")
+    density: Number = Field(alias="density_kg_m3", ge=1.0, le=1e8)
     """Mass density, kg/m³."""
     loss_factor: LossFactor
     """Hysteretic loss factor η, twice the damping ratio."""
-    thickness: Positive | None = Field(default=None, alias="thickness_m")
+    thickness: Number | None = Field(default=None, alias="thickness_m", ge=0.01, le=1e4)
     """Thickness, m; None for the half-space below all layers."""
 
     @model_validator(mode="after")
     def _bulk_modulus_is_positive(self) -> Self:
         least = math.sqrt(4.0 / 3.0) * self.shear_speed
         if self.dilatational_speed <= least:
-            raise ValueError(
-                f"dilatational_speed_m_s = {self.dilatational_speed:g} m/s must exceed sqrt(4/3) of "
+            raise InputError(
+                f".dilatational_speed_m_s = {self.dilatational_speed:g} m/s: must exceed sqrt(4/3) of "
                 f"shear_speed_m_s = {self.shear_speed:g} m/s, {least:.6g} m/s: else the bulk modulus is < 0"
             )
         return self
+
+    def unusual(self) -> Iterator[str]:
+        """Yield that the density is not one of soil or rock."""
+        lowest, highest = USUAL_DENSITY
+        if not lowest <= self.density <= highest:
+            usual = f"soil and rock have {lowest:g} to {highest:g} kg/m³"
+            yield f"density_kg_m3 = {self.density:g} kg/m³: {usual}"
 
     @property
     def shear_modulus(self) -> float:
@@ -84,7 +94,7 @@ class Ground(Parameters):
         fit the base.
     """
 
-    layers: tuple[Layer, ...] = Field(min_length=1)
+    layers: tuple[Layer, ...] = Field(min_length=1, max_length=200)
     """From the surface down; the last is the half-space unless the base is rigid."""
     base: Literal["half-space", "rigid"] = "half-space"
     """What lies under the layers."""
@@ -94,12 +104,12 @@ class Ground(Parameters):
         finite = self.layers if self.base == "rigid" else self.layers[:-1]
         for number, layer in enumerate(finite):
             if layer.thickness is None:
-                raise ValueError(
-                    f"layers[{number}].thickness_m is missing: a layer above the base has a thickness in m"
+                raise InputError(
+                    f".layers[{number}].thickness_m: is missing; a layer above the base has a thickness in m"
                 )
         if self.base == "half-space" and self.layers[-1].thickness is not None:
-            raise ValueError(
-                f"layers[{len(self.layers) - 1}].thickness_m = {self.layers[-1].thickness:g} m: the last "
+            raise InputError(
+                f".layers[{len(self.layers) - 1}].thickness_m = {self.layers[-1].thickness:g} m: the last "
                 'layer is the half-space and has no thickness, unless base = "rigid"'
             )
         return self

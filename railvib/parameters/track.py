@@ -4,19 +4,26 @@ All values are per metre of track and for both rails together. Hysteretic dampin
 stiffness is multiplied by 1 + iη sgn ω.
 """
 
+from collections.abc import Iterator
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from railvib.parameters.validation import LossFactor, NonNegative, Parameters, Positive
+from railvib.errors import InputError
+from railvib.parameters.validation import LossFactor, Number, Parameters
+
+STIFFEST_ONE_RAIL = 7e6
+"""N·m²; the bending stiffness of one heavy rail is below, of two light ones above."""
+HEAVIEST_ONE_RAIL = 80.0
+"""kg/m, in the same way."""
 
 
 class TrackLayer(Parameters):
     """Distributed vertical springs with consistent mass: ballast, sub-ballast, embankment, slab mat."""
 
-    stiffness: Positive = Field(alias="stiffness_n_m2")
+    stiffness: Number = Field(alias="stiffness_n_m2", ge=1e4, le=1e16)
     """Vertical stiffness per length of track, N/m²."""
-    mass: NonNegative = Field(default=0.0, alias="mass_kg_m")
+    mass: Number = Field(default=0.0, alias="mass_kg_m", ge=0.0, le=1e6)
     """Mass per length of track, kg/m."""
     loss_factor: LossFactor = 0.0
     """Hysteretic loss factor."""
@@ -33,25 +40,27 @@ class Track(Parameters):
 
     form: Literal["ballasted", "slab"] = "ballasted"
     """Sleepers without bending stiffness along the track, or a slab as Euler beam."""
-    rail_bending_stiffness: Positive = Field(alias="rail_bending_stiffness_n_m2")
+    rail_bending_stiffness: Number = Field(alias="rail_bending_stiffness_n_m2", ge=1e4, le=1e10)
     """Bending stiffness EI of both rails, N·m²."""
-    rail_mass: Positive = Field(alias="rail_mass_kg_m")
+    rail_mass: Number = Field(alias="rail_mass_kg_m", ge=1.0, le=1e4)
     """Mass of both rails per length, kg/m."""
     rail_loss_factor: LossFactor = 0.0
     """Loss factor of the rails' bending stiffness."""
-    pad_stiffness: Positive = Field(alias="pad_stiffness_n_m2")
+    pad_stiffness: Number = Field(alias="pad_stiffness_n_m2", ge=1e4, le=1e16)
     """Vertical stiffness of the rail pads per length of track, both rails, N/m²."""
     pad_loss_factor: LossFactor = 0.0
     """Loss factor of the rail pads."""
-    contact_width: Positive = Field(alias="contact_width_m")
+    contact_width: Number = Field(alias="contact_width_m", ge=0.1, le=100.0)
     """Width 2b over which the track presses on the ground, m."""
-    layers: tuple[TrackLayer, ...] = ()
+    layers: tuple[TrackLayer, ...] = Field(default=(), max_length=20)
     """From the sleepers or the slab down: ballast, sub-ballast, embankment."""
-    sleeper_mass: NonNegative | None = Field(default=None, alias="sleeper_mass_kg_m")
+    sleeper_mass: Number | None = Field(default=None, alias="sleeper_mass_kg_m", ge=0.0, le=1e5)
     """Ballasted track: mass of the sleepers per length, kg/m."""
-    slab_bending_stiffness: Positive | None = Field(default=None, alias="slab_bending_stiffness_n_m2")
+    slab_bending_stiffness: Number | None = Field(
+        default=None, alias="slab_bending_stiffness_n_m2", ge=1e4, le=1e13
+    )
     """Slab track: bending stiffness of the slab along the track, N·m²."""
-    slab_mass: Positive | None = Field(default=None, alias="slab_mass_kg_m")
+    slab_mass: Number | None = Field(default=None, alias="slab_mass_kg_m", ge=1.0, le=1e6)
     """Slab track: mass of the slab per length, kg/m."""
     slab_loss_factor: LossFactor | None = None
     """Slab track: loss factor of the slab's bending stiffness."""
@@ -67,16 +76,29 @@ class Track(Parameters):
         }
         for name in needed[self.form]:
             if getattr(self, name) is None:
-                raise ValueError(
-                    f"{type(self).model_fields[name].alias} is missing: a {self.form} track needs it"
+                raise InputError(
+                    f".{type(self).model_fields[name].alias}: is missing; a {self.form} track needs it"
                 )
         for name in foreign[self.form]:
             if getattr(self, name) is not None:
                 alias = type(self).model_fields[name].alias or name
-                raise ValueError(f"{alias} does not belong to a {self.form} track")
+                raise InputError(f".{alias}: does not belong to a {self.form} track")
         if self.form == "ballasted" and not self.layers:
-            raise ValueError("layers is empty: a ballasted track needs at least the ballast")
+            raise InputError(".layers = []: a ballasted track needs at least the ballast")
         return self
+
+    def unusual(self) -> Iterator[str]:
+        """Yield what is rather that of one rail than of two."""
+        if self.rail_bending_stiffness < STIFFEST_ONE_RAIL:
+            yield (
+                f"rail_bending_stiffness_n_m2 = {self.rail_bending_stiffness:g} N·m²: below "
+                f"{STIFFEST_ONE_RAIL:g} N·m², as of one rail; give that of both together"
+            )
+        if self.rail_mass < HEAVIEST_ONE_RAIL:
+            yield (
+                f"rail_mass_kg_m = {self.rail_mass:g} kg/m: below {HEAVIEST_ONE_RAIL:g} kg/m, "
+                "as of one rail; give that of both together"
+            )
 
     @property
     def half_width(self) -> float:

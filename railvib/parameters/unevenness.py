@@ -14,9 +14,12 @@ from pydantic import Field, model_validator
 
 from railvib.errors import InputError
 from railvib.numerics import third_octaves
-from railvib.parameters.validation import Parameters, Positive
+from railvib.parameters.validation import Integer, Number, Parameters
 
 T = TypeVar("T")
+
+Wavelength = Annotated[Number, Field(ge=1e-4, le=1e5)]
+Density = Annotated[Number, Field(ge=1e-30, le=1e12)]
 
 Form = Literal[
     "fra-hamid-yang",
@@ -101,21 +104,23 @@ class Unevenness(Parameters):
 
     form: Form
     """Which spectrum; those named ``fra-...`` have six classes."""
-    line_class: Annotated[int, Field(ge=1, le=6)] | None = None
+    line_class: Annotated[Integer, Field(ge=1, le=6)] | None = None
     """FRA class of the line, from 1, the roughest, to 6."""
-    wavelength: tuple[Positive, ...] | None = Field(default=None, alias="wavelength_m")
+    wavelength: tuple[Wavelength, ...] | None = Field(default=None, alias="wavelength_m")
     """Table: wavelengths, m, ascending or descending."""
-    level: tuple[float, ...] | None = Field(default=None, alias="level_db")
+    level: tuple[Annotated[Number, Field(ge=-1e6, le=1e6)], ...] | None = Field(
+        default=None, alias="level_db"
+    )
     """Table: one-third-octave levels centred at the wavelengths, dB re 1e-6 m."""
-    spectral_density: tuple[Positive, ...] | None = Field(default=None, alias="spectral_density_m3")
+    spectral_density: tuple[Density, ...] | None = Field(default=None, alias="spectral_density_m3")
     """Table: S_w(2π/wavelength), m² per rad/m."""
-    amplitude: Positive | None = Field(default=None, alias="amplitude_m3")
+    amplitude: Density | None = Field(default=None, alias="amplitude_m3")
     """Power law S(n) = A n^−w: A, the density at 1 cycle/m, m² per cycle/m."""
-    exponent: float | None = None
+    exponent: Annotated[Number, Field(ge=-100.0, le=100.0)] | None = None
     """Power law S(n) = A n^−w: w."""
-    minimum_wavelength: Positive | None = Field(default=None, alias="minimum_wavelength_m")
+    minimum_wavelength: Wavelength | None = Field(default=None, alias="minimum_wavelength_m")
     """Cut-off: no unevenness at shorter wavelengths, m."""
-    maximum_wavelength: Positive | None = Field(default=None, alias="maximum_wavelength_m")
+    maximum_wavelength: Wavelength | None = Field(default=None, alias="maximum_wavelength_m")
     """Cut-off: no unevenness at longer wavelengths, m."""
 
     @model_validator(mode="after")

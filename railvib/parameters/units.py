@@ -3,6 +3,9 @@
 KMH = 3.6
 """km/h per m/s."""
 
+GRAVITY = 9.81
+"""m/s²; no response depends on it, only comparisons of loads with masses."""
+
 UNITS = {
     "bending_stiffness_n_m2": "N·m²",
     "inertia_kg_m2": "kg·m²",
@@ -26,9 +29,5 @@ UNITS = {
 
 
 def unit_of(key: str) -> str:
-    """Return the unit that a key names by its ending, nothing for pure numbers and names.
-
-    >>> unit_of("pad_stiffness_n_m2"), unit_of("rail_bending_stiffness_n_m2"), unit_of("loss_factor")
-    ('N/m²', 'N·m²', '')
-    """
+    """Return the unit that a key names by its ending, nothing for pure numbers and names."""
     return next((unit for ending, unit in UNITS.items() if key.endswith(ending)), "")

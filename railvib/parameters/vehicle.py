@@ -4,21 +4,25 @@ Axes as everywhere: x along the track in the direction of travel, z downward. Ve
 the track only. The derivation of the closed form is in docs/theory/vehicle.md.
 """
 
-import warnings
+from collections.abc import Iterator
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
-from railvib.errors import InputError, PlausibilityWarning
-from railvib.parameters.validation import NonNegative, Parameters, Positive
+from railvib.errors import InputError
+from railvib.parameters.units import GRAVITY
+from railvib.parameters.validation import Number, Parameters, warn
 
 AXLES = 4
 """Wheelsets of one vehicle."""
 
-GRAVITY = 9.81
-"""m/s²; used only to compare the axle load with the masses."""
+LARGEST_TRAIN = 1000
+"""Vehicles; ten times those of the longest trains there are."""
+
+USUAL_LOAD = 0.8, 1.25
+"""Load of the axles over the weight of the masses."""
 
 # The wheelsets' displacement shapes, ascending in x, in which the symmetric vehicle falls apart into chains.
 BOUNCE = np.array([1.0, 1.0, 1.0, 1.0])
@@ -39,59 +43,67 @@ class Vehicle(Parameters):
     Raises
     ------
     InputError
-        If a value is not positive (damping: negative) and finite, or the axles do not fit the length.
+        If a value is out of range, or the axles do not fit the length.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If the axle load does not fit the masses.
     """
 
-    car_mass: Positive = Field(alias="car_mass_kg")
+    car_mass: Number = Field(alias="car_mass_kg", ge=100.0, le=1e6)
     """Mass of the car body, kg."""
-    car_pitch_inertia: Positive = Field(alias="car_pitch_inertia_kg_m2")
+    car_pitch_inertia: Number = Field(alias="car_pitch_inertia_kg_m2", ge=10.0, le=1e9)
     """Pitching moment of inertia of the car body, kg·m²."""
-    bogie_mass: Positive = Field(alias="bogie_mass_kg")
+    bogie_mass: Number = Field(alias="bogie_mass_kg", ge=10.0, le=1e5)
     """Mass of one bogie frame, kg."""
-    bogie_pitch_inertia: Positive = Field(alias="bogie_pitch_inertia_kg_m2")
+    bogie_pitch_inertia: Number = Field(alias="bogie_pitch_inertia_kg_m2", ge=1.0, le=1e7)
     """Pitching moment of inertia of one bogie frame, kg·m²."""
-    wheelset_mass: Positive = Field(alias="wheelset_mass_kg")
+    wheelset_mass: Number = Field(alias="wheelset_mass_kg", ge=10.0, le=1e5)
     """Unsprung mass of one wheelset, kg."""
-    primary_stiffness: Positive = Field(alias="primary_stiffness_n_m")
+    primary_stiffness: Number = Field(alias="primary_stiffness_n_m", ge=1000.0, le=1e12)
     """Stiffness k1 of one axle's primary suspension, both sides together, N/m."""
-    primary_damping: NonNegative = Field(alias="primary_damping_n_s_m")
+    primary_damping: Number = Field(alias="primary_damping_n_s_m", ge=0.0, le=1e9)
     """Viscous damping c1 of one axle's primary suspension, N·s/m."""
-    secondary_stiffness: Positive = Field(alias="secondary_stiffness_n_m")
+    secondary_stiffness: Number = Field(alias="secondary_stiffness_n_m", ge=1000.0, le=1e12)
     """Stiffness k2 of one bogie's secondary suspension, both sides together, N/m."""
-    secondary_damping: NonNegative = Field(alias="secondary_damping_n_s_m")
+    secondary_damping: Number = Field(alias="secondary_damping_n_s_m", ge=0.0, le=1e9)
     """Viscous damping c2 of one bogie's secondary suspension, N·s/m."""
-    axle_spacing: Positive = Field(alias="axle_spacing_m")
+    axle_spacing: Number = Field(alias="axle_spacing_m", ge=0.1, le=50.0)
     """Distance between the two axles of a bogie, m."""
-    bogie_spacing: Positive = Field(alias="bogie_spacing_m")
+    bogie_spacing: Number = Field(alias="bogie_spacing_m", ge=0.1, le=200.0)
     """Distance between the two bogie centres, m."""
-    length: Positive = Field(alias="length_m")
+    length: Number = Field(alias="length_m", ge=0.5, le=500.0)
     """Length over the couplings, m."""
-    axle_load: Positive = Field(alias="axle_load_n")
+    axle_load: Number = Field(alias="axle_load_n", ge=100.0, le=1e6)
     """Static load of one axle on the track, N."""
-    contact_stiffness_per_wheel: Positive = Field(alias="contact_stiffness_per_wheel_n_m")
+    contact_stiffness_per_wheel: Number = Field(alias="contact_stiffness_per_wheel_n_m", ge=1e5, le=1e13)
     """Linearised Hertz spring of one wheel on its rail, N/m; an axle has two."""
 
     @model_validator(mode="after")
     def _geometry_is_consistent(self) -> Self:
         if self.axle_spacing >= self.bogie_spacing:
-            raise ValueError(
-                f"axle_spacing_m = {self.axle_spacing:g} m must be below "
+            raise InputError(
+                f".axle_spacing_m = {self.axle_spacing:g} m: must be below "
                 f"bogie_spacing_m = {self.bogie_spacing:g} m"
             )
         if self.bogie_spacing + self.axle_spacing > self.length:
-            raise ValueError(
-                f"length_m = {self.length:g} m must be at least bogie_spacing_m + axle_spacing_m = "
+            raise InputError(
+                f".length_m = {self.length:g} m: must be at least bogie_spacing_m + axle_spacing_m = "
                 f"{self.bogie_spacing + self.axle_spacing:g} m"
             )
-        weight = self.total_mass * GRAVITY
-        if not 0.8 < AXLES * self.axle_load / weight < 1.25:
-            warnings.warn(
-                f"axle_load_n = {self.axle_load:g} N: the four axles carry {AXLES * self.axle_load:.4g} N, "
-                f"but the vehicle of {self.total_mass:.5g} kg weighs {weight:.4g} N",
-                PlausibilityWarning,
-                stacklevel=2,
-            )
+        warn(self.unusual())
         return self
+
+    def unusual(self) -> Iterator[str]:
+        """Yield that the axles carry another load than the masses weigh."""
+        weight = self.total_mass * GRAVITY
+        lowest, highest = USUAL_LOAD
+        if not lowest < AXLES * self.axle_load / weight < highest:
+            yield (
+                f"axle_load_n = {self.axle_load:g} N: the four axles carry {AXLES * self.axle_load:.4g} N, "
+                f"but the vehicle of {self.total_mass:.5g} kg weighs {weight:.4g} N"
+            )
 
     @property
     def total_mass(self) -> float:
@@ -117,7 +129,7 @@ class Train(Parameters):
     results, the leading axle, is the last entry of each.
     """
 
-    vehicles: tuple[Vehicle, ...] = Field(min_length=1)
+    vehicles: tuple[Vehicle, ...] = Field(min_length=1, max_length=LARGEST_TRAIN)
     """From the head of the train to its tail."""
 
     @property

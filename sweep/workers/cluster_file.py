@@ -7,18 +7,21 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, Strict, model_validator
 
 from railvib.errors import InputError
-from sweep.study import Name, Positive, Section, read_toml, validated
+from railvib.parameters.validation import Integer, Number, Parameters, validated
+from sweep.study.files import read_toml
+from sweep.study.names import Name
 
 Queueing = Literal["slurm", "pbs", "lsf", "sge", "oar", "moab", "htcondor"]
 """Batch systems that dask-jobqueue knows."""
 
-Count = Annotated[int, Strict(), Field(ge=1)]
+Count = Annotated[Integer, Field(ge=1)]
 Text = Annotated[str, Strict(), Field(min_length=1)]
-Port = Annotated[int, Strict(), Field(ge=1, le=65535)]
+Port = Annotated[Integer, Field(ge=1, le=65535)]
+Positive = Annotated[Number, Field(gt=0.0)]
 LOOPBACK = "127.0.0.1"
 
 
-class Scheduler(Section):
+class Scheduler(Parameters):
     """Where scheduler and dashboard listen: on the loopback address unless told otherwise.
 
     Attributes

@@ -56,11 +56,11 @@ def test_bulk_modulus_may_be_almost_nothing():
 
 def test_refused_grounds():
     half_space, layer = Layer(**SAND), Layer(**SAND, thickness=2.0)
-    with pytest.raises(InputError, match=r"layers\[0\]\.thickness_m is missing"):
+    with pytest.raises(InputError, match=r"layers\[0\]\.thickness_m: is missing"):
         Ground(layers=[half_space, half_space])
     with pytest.raises(InputError, match=r"layers\[1\]\.thickness_m = 2 m"):
         Ground(layers=[layer, layer])
-    with pytest.raises(InputError, match=r"layers\[1\]\.thickness_m is missing"):
+    with pytest.raises(InputError, match=r"layers\[1\]\.thickness_m: is missing"):
         Ground(layers=[layer, half_space], base="rigid")
     with pytest.raises(InputError, match="layers"):
         Ground(layers=[])

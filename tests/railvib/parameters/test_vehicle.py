@@ -195,10 +195,10 @@ def test_study_form_is_the_same_object():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"car_mass": -1.0}, r"Vehicle\.car_mass.* = -1\.0: should be greater than 0"),
+        ({"car_mass": -1.0}, r"Vehicle\.car_mass.* = -1\.0 kg: should be greater than or equal to 100 kg"),
         ({"secondary_damping": float("nan")}, r"secondary_damping.* = nan"),
-        ({"axle_spacing": 19.0}, r"axle_spacing_m = 19 m must be below bogie_spacing_m = 19 m"),
-        ({"length": 20.0}, r"length_m = 20 m must be at least bogie_spacing_m \+ axle_spacing_m = 21\.7 m"),
+        ({"axle_spacing": 19.0}, r"axle_spacing_m = 19 m: must be below bogie_spacing_m = 19 m"),
+        ({"length": 20.0}, r"length_m = 20 m: must be at least bogie_spacing_m \+ axle_spacing_m = 21\.7 m"),
         ({"colour": "red"}, r"Vehicle\.colour: unknown key"),
     ],
 )

@@ -18,6 +18,7 @@ from railvib.numerics.third_octaves import midbands
 from railvib.parameters.approach import APPROACHES
 from sweep import study
 from sweep.request import prepare
+from sweep.study.names import check_name
 from sweep.wanted import spectra_unit
 
 SHELVES = {
@@ -26,9 +27,19 @@ SHELVES = {
     "unevenness": ("fra-hamid-yang-3", "fra-av-5", "german-low", "sncf-poor"),
     "vehicle": ("regina", "velaro-e", "velaro-e-trailer"),
 }
-names = st.text(string.ascii_letters + string.digits + "_.+-", min_size=1, max_size=12)
+
+
+def is_name(text):
+    """Return whether a text can be a name."""
+    try:
+        return bool(check_name(text))
+    except ValueError:
+        return False
+
+
+names = st.text(string.ascii_letters + string.digits + "_.+-", min_size=1, max_size=12).filter(is_name)
 places = st.lists(names, min_size=1, max_size=2, unique=True)
-speeds = st.lists(st.floats(5.0, 300.0), min_size=1, max_size=3, unique=True)
+speeds = st.lists(st.floats(10.0, 300.0), min_size=1, max_size=3, unique=True)
 percent = st.floats(0.99, 1.01)
 
 

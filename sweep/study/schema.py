@@ -1,0 +1,183 @@
+"""The sections of a study file, and what each of their keys may be."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal, Self, TypeVar
+
+from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
+
+from railvib import library
+from railvib.errors import InputError
+from railvib.numerics.third_octaves import midbands
+from railvib.parameters.approach import Approach, Averaging
+from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.speed import SpeedKmh, slow
+from railvib.parameters.validation import Number, Parameters, keys
+from sweep.study.names import Name, check_name
+from sweep.study.ranges import LARGEST_AXIS, axis
+
+Value = TypeVar("Value")
+
+LARGEST_LIST = 1000
+"""Names on an axis, and offsets."""
+
+Hertz = Annotated[Number, Field(ge=0.1, le=500.0)]
+"""Midbands for which the physics has been verified."""
+
+Offset = Annotated[Number, Field(ge=0.0, le=2000.0)]
+Truth = Annotated[bool, Strict()]
+
+
+def _once(values: tuple[Value, ...]) -> tuple[Value, ...]:
+    """Return the values in their order, each once."""
+    return tuple(dict.fromkeys(values))
+
+
+Names = Annotated[tuple[Name, ...], Field(min_length=1, max_length=LARGEST_LIST), AfterValidator(_once)]
+
+
+class Section(Parameters):
+    """A table of the study file."""
+
+    @classmethod
+    def places(cls) -> dict[str, str]:
+        """Return the path of the table in a study by each key that another table has."""
+        sections = {
+            name: field.annotation
+            for name, field in Study.model_fields.items()
+            if isinstance(field.annotation, type) and issubclass(field.annotation, Parameters)
+        }
+        tables = {f"[{name}]": keys(section) for name, section in sections.items()}
+        for kind, model in library.MODELS.items():
+            for key, place in model.places().items():
+                tables.setdefault(f"{place} in [{kind}.<name>]", []).append(key)
+            tables.setdefault(f"[{kind}.<name>]", []).extend(keys(model))
+        places: dict[str, str] = {}
+        for place, known in tables.items():
+            for key in known:
+                places[key] = f"{places[key]} or {place}" if key in places else place
+        return places
+
+
+class Heading(Section):
+    """What the study is called: a name for its output directory, a title for people; neither enters an id."""
+
+    name: Annotated[str, Strict()]
+    title: Annotated[str, Strict(), Field(min_length=1, max_length=200)] | None = None
+
+    @model_validator(mode="after")
+    def _name_is_one(self) -> Self:
+        try:
+            check_name(self.name)
+        except ValueError as error:
+            free = "" if self.title else "; any text may be the title beside it"
+            raise InputError(f".name = {self.name!r}: {error}{free}") from None
+        return self
+
+    @model_validator(mode="after")
+    def _title_is_a_line(self) -> Self:
+        if self.title and not self.title.isprintable():
+            raise InputError(f".title = {self.title!r}: must be one line of printable characters")
+        return self
+
+
+class Frequency(Section):
+    """The one-third-octave bands by their lowest and highest midband, nominal or exact."""
+
+    minimum_hz: Hertz
+    maximum_hz: Hertz
+
+    @model_validator(mode="after")
+    def _ascends(self) -> Self:
+        if self.minimum_hz >= self.maximum_hz:
+            raise InputError(
+                f".minimum_hz = {self.minimum_hz:g} Hz: must be below maximum_hz = {self.maximum_hz:g} Hz"
+            )
+        midbands(self.minimum_hz, self.maximum_hz)
+        return self
+
+
+class Receivers(Section):
+    """Where vibration is wanted: on the rail, and on the ground at distances from the track's centre line."""
+
+    rail: Truth = True
+    offsets_m: Annotated[tuple[Offset, ...], Field(max_length=LARGEST_LIST)] = ()
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> Self:
+        if not self.rail and not self.offsets_m:
+            raise InputError(".offsets_m = []: without the rail, at least one offset in m is needed")
+        return self
+
+
+class Approaches(Section):
+    """Which approaches are compared, with which of them, and what their spectra are averaged over."""
+
+    compare: Annotated[tuple[Approach, ...], Field(min_length=1)]
+    reference: Approach
+    averaging: Annotated[tuple[Averaging, ...], Field(min_length=1)] = ("line",)
+
+    @model_validator(mode="after")
+    def _reference_is_computed(self) -> Self:
+        if self.reference not in self.compare:
+            raise InputError(
+                f".reference = {self.reference!r}: must be one of compare = {list(self.compare)}"
+            )
+        return self
+
+
+class Axes(Section):
+    """The axes of the sweep; every combination of their values is a case."""
+
+    soil: Names
+    track: Names
+    train: Names
+    unevenness: Names
+    speed_kmh: Annotated[
+        tuple[SpeedKmh, ...],
+        BeforeValidator(axis),
+        Field(min_length=1, max_length=LARGEST_AXIS),
+        AfterValidator(_once),
+    ]
+
+    def unusual(self) -> Iterator[str]:
+        """Yield that the slowest speed is hardly one of trains."""
+        if text := slow(min(self.speed_kmh)):
+            yield f"speed_kmh = {text}"
+
+
+class Accuracy(Section):
+    """How exact the transfer functions are, relative to themselves, at each requested offset."""
+
+    tolerance: Annotated[Number, Field(ge=1e-6, le=1e-2)] = 1e-4
+
+
+class Lines(Section):
+    """Spectral lines that go to the database."""
+
+    approach: Approach
+    receiver: Name
+    offset_m: Offset | None = None
+
+
+class Output(Section):
+    """What of the narrow-band spectra goes to the database; all of it stays in the store."""
+
+    narrow_band: Literal["all", "none"] | tuple[Lines, ...] = "all"
+
+
+class Study(Section):
+    """A whole study file."""
+
+    study: Heading
+    frequency: Frequency
+    receivers: Receivers
+    approaches: Approaches
+    sweep: Axes
+    accuracy: Accuracy = Accuracy()
+    output: Output = Output()
+    cross_section: CrossSection = CrossSection()
+    soil: Mapping[str, Any] = {}
+    track: Mapping[str, Any] = {}
+    train: Mapping[str, Any] = {}
+    vehicle: Mapping[str, Any] = {}
+    unevenness: Mapping[str, Any] = {}
