@@ -20,7 +20,7 @@ from railvib.parameters.track import Track
 from railvib.soil.flexibility import surface_flexibilities
 from railvib.soil.rational_fit import RationalFit
 from railvib.soil.strip import strip_compliances
-from railvib.transfer.tabulate import largest_wavenumber
+from railvib.transfer.nodes import largest_wavenumber
 from railvib.transfer.track_response import track_response
 
 OFFSETS = np.array([0.0, 8.0, 32.0, 100.0])

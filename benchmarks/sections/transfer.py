@@ -19,8 +19,7 @@ from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.soil.rational_fit import RationalFit, fit_flexibility
 from railvib.soil.strip import strip_compliances
-from railvib.transfer.nodes import TOP, Nodes
-from railvib.transfer.tabulate import largest_wavenumber
+from railvib.transfer.nodes import TOP, Nodes, largest_wavenumber
 from railvib.transfer.track_response import track_response
 
 SECTION = "transfer"

@@ -22,8 +22,10 @@ from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.soil.fits import GroundFits
 from railvib.soil.tensor_fit import TensorFit, fit_tensor
+from railvib.transfer.evaluation import Evaluation
+from railvib.transfer.nodes import node_range
 from railvib.transfer.table import Receiver, TransferBlock
-from railvib.transfer.tabulate import Evaluation, largest_wavenumber, transfer_blocks
+from railvib.transfer.tabulate import transfer_blocks
 
 _WAVENUMBER_TIMES_STRIP = 50.0
 """The tensor is fitted up to this over the width of the smallest strip."""
@@ -150,7 +152,7 @@ def fe_be_response(
 
 
 class FeBeModel:
-    """The FE/BE model of one ground and track over one block, as `railvib.transfer.tabulate` evaluates it."""
+    """The FE/BE model of one ground and track over one block, for `railvib.transfer.tabulate`."""
 
     def __init__(
         self, ground: Ground, track: Track, section: CrossSection, block: int, refinement: int = 1
@@ -163,10 +165,7 @@ class FeBeModel:
         frequency = blocks.frequency(0, blocks.indices(block, 0))
         self._bed = None
         if section.bed == "solid":
-            largest = max(
-                largest_wavenumber(track, refinement),
-                2.0 * 2.0 * np.pi * float(frequency[-1]) * 1.3 / ground.slowest_speed,
-            )
+            _top, largest = node_range(ground, track, float(frequency[-1]), refinement)
             with threads.single():
                 self._bed = CondensedBed(
                     SolidBed(track, section, self.edge), (float(frequency[0]), float(frequency[-1])), largest

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from railvib.forces._kernels.rail_integrals import integrate_panels
 from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics.jit import kernel
-from railvib.numerics.wavenumber_panels import NODE, ORDER, fourier_integrals, unresolved
+from railvib.numerics.wavenumber_panels import NODE, unresolved
 from railvib.parameters.track import Track
 from railvib.transfer.track_response import track_response
 from railvib.transfer.transfer_function import TransferFunction
@@ -76,7 +76,7 @@ def rail_integrals(
     order = np.argsort(panels.owner, kind="stable")
     cosine = np.zeros((frequency.size, 2, distance.size))
     sine = np.zeros((frequency.size, 2, distance.size))
-    _per_frequency(
+    integrate_panels(
         np.searchsorted(panels.owner[order], np.arange(frequency.size + 1)),
         order,
         panels.centre[order],
@@ -178,24 +178,3 @@ def _first_panels(
 def _within(value: np.ndarray, limit: float) -> np.ndarray:
     """Return values, infinite in place of those that are not inside a limit."""
     return np.where(np.abs(value) < limit, value, np.inf)
-
-
-@kernel
-def _per_frequency(first, order, centre, half, value, distance, cosine, sine):
-    """Add the cosine and sine integrals of every frequency's panels, (frequencies, 2, distances) each.
-
-    The panels are in order of their frequencies, but for `value`, whose rows `order` names; there real and
-    imaginary parts are in turn, (panels, 2·order).
-    """
-    frequencies = first.shape[0] - 1
-    most = 0
-    for i in range(frequencies):
-        most = max(most, first[i + 1] - first[i])
-    own = np.empty((2, most, ORDER))
-    for i in range(frequencies):
-        for p in range(first[i], first[i + 1]):
-            for j in range(ORDER):
-                own[0, p - first[i], j] = value[order[p], 2 * j]
-                own[1, p - first[i], j] = value[order[p], 2 * j + 1]
-        here = slice(first[i], first[i + 1])
-        fourier_integrals(centre[here], half[here], own, distance, cosine[i], sine[i])

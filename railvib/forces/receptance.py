@@ -18,7 +18,7 @@ from railvib.forces.rail_integrals import rail_integrals
 from railvib.forces.smooth_receptance import Load, Reduced, smoothest
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.track import Track
-from railvib.transfer.tabulate import largest_wavenumber
+from railvib.transfer.nodes import largest_wavenumber
 from railvib.transfer.transfer_function import TransferFunction
 
 _MOST_LEVELS = 6
@@ -227,7 +227,7 @@ def receptances(
 
     Notes
     -----
-    Eq. 14 and 19 of the paper; CONVENTIONS section 3.
+    Eq. 14 and 19 of the paper; docs/conventions.md section 3.
     """
     f = np.atleast_1d(np.asarray(frequency, float))
     d = np.atleast_1d(np.asarray(distances, float))

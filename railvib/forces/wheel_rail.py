@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railvib import cost
-from railvib.forces.axle_system import solve
+from railvib.forces._kernels.axle_system import solve
 from railvib.forces.receptance import Receptances
 from railvib.numerics.vector_math import turned
 from railvib.parameters.vehicle import Train, Vehicle, chain_flexibilities, train_receptance

@@ -21,12 +21,11 @@ import numpy as np
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import threads
-from railvib.numerics.frequency_blocks import combine
-from railvib.numerics.jit import reduction_kernel
 from railvib.numerics.vector_math import turned
 from railvib.numerics.wavenumber_panels import FROM_POWERS, ORDER
+from railvib.psd._kernels.averages import panel_sums
+from railvib.psd._kernels.moments import moments
 from railvib.psd.excitation import Excitation
-from railvib.psd.excitation_moments import moments
 from railvib.transfer.intensity import same_nodes, squares
 from railvib.transfer.nodes import Nodes
 from railvib.transfer.table import Receiver
@@ -90,7 +89,7 @@ def passage_spectra(
                     panels = [each.panels[stencils[each.level][0]] for each in tables]
                     weight = weights.at(shared, lines, np.max(panels, axis=0)).reshape(lines.size, -1)
                     for receiver, each, needed in zip(members, tables, panels, strict=True):
-                        psd[receiver][lines] = _sums(*stencils[each.level], each.value, needed, weight)
+                        psd[receiver][lines] = panel_sums(*stencils[each.level], each.value, needed, weight)
                     spent.evaluations += 2 * len(members) * weight.size
                     spent.kernel_calls += len(members)
     return {receiver: each / (train_length * speed) for receiver, each in psd.items()}
@@ -167,18 +166,3 @@ def _turn(receiver: Receiver) -> tuple[float, float]:
     hand; in a class the nearest first, which needs the most panels.
     """
     return -distance_class(receiver), -1.0 if receiver == "rail" else float(receiver)
-
-
-@reduction_kernel
-def _sums(first, stencil, value, panels, weight):
-    """Return the weighted sums over the nodes of needed panels of rows interpolated to lines, (lines,)."""
-    out = np.empty(first.shape[0])
-    row = np.empty(value.shape[1])
-    for i in range(first.shape[0]):
-        nodes = ORDER * panels[i]
-        combine(first[i], stencil[i], value, row[:nodes])
-        total = 0.0
-        for j in range(nodes):
-            total += weight[i, j] * row[j]
-        out[i] = total
-    return out

@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics.jit import inline, kernel
-from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals
+from railvib.numerics.wavenumber_panels import ORDER
+from railvib.psd._kernels.averages import add_cosine_integrals
 from railvib.transfer.intensity import same_nodes, squared, squared_at
 from railvib.transfer.table import Receiver
 from railvib.transfer.transfer_function import TransferFunction
@@ -26,8 +26,6 @@ _MOST_LEVELS = 6
 _CHECKS = 5
 _SHARE = 0.1
 """Of the tolerance, what interpolation between the frequencies may take."""
-_NEGLIGIBLE = 1e-14
-"""Share of ∫ |H̃|² below which a panel is passed over."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,55 +226,5 @@ def _integrals(edge: np.ndarray, value: np.ndarray, distance: np.ndarray) -> np.
     """Return M from |H̃|² on nodes, (receivers, lines, node): (receivers, lines, distances)."""
     found = np.zeros((value.shape[1], value.shape[0], distance.size))
     sine = np.zeros((value.shape[0], distance.size))
-    _cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), distance, found, sine)
+    add_cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), distance, found, sine)
     return found.swapaxes(0, 1) / np.pi
-
-
-@kernel
-def _cosine_integrals(edge, value, distance, out, sine):
-    """Add ∫ |H̃|² cos(βd) dβ over all panels with something in them to `out` (lines, receivers, distances).
-
-    `sine`, (receivers, distances), is room for what nobody asks for.
-    """
-    receivers, lines, panels, _ = value.shape
-    kept_value = np.empty((receivers, panels, ORDER))
-    centre = np.empty(panels)
-    half = np.empty(panels)
-    needed = np.empty((receivers, panels), np.bool_)
-    for i in range(lines):
-        for q in range(receivers):
-            _mark_panels(edge[i], value[q, i], needed[q])
-        kept = 0
-        for p in range(panels):
-            wanted = False
-            for q in range(receivers):
-                wanted |= needed[q, p]
-            if not wanted:
-                continue
-            half[kept] = 0.5 * (edge[i, p + 1] - edge[i, p])
-            centre[kept] = 0.5 * (edge[i, p + 1] + edge[i, p])
-            for q in range(receivers):
-                # Nothing where another receiver alone needs the panel: none depends on the others.
-                for j in range(ORDER):
-                    kept_value[q, kept, j] = value[q, i, p, j] if needed[q, p] else 0.0
-            kept += 1
-        fourier_integrals(centre[:kept], half[:kept], kept_value, distance, out[i], sine)
-
-
-@kernel
-def _mark_panels(edge, value, needed):
-    """Mark the panels with more than a negligible share of one receiver's ∫ |H̃|² dβ."""
-    total = 0.0
-    for p in range(needed.shape[0]):
-        total += _most(edge, value, p)
-    for p in range(needed.shape[0]):
-        needed[p] = _most(edge, value, p) > _NEGLIGIBLE * total
-
-
-@inline
-def _most(edge, value, p):
-    """Return an upper bound of ∫ |H̃|² dβ over a panel."""
-    most = 0.0
-    for j in range(ORDER):
-        most = max(most, value[p, j])
-    return most * (edge[p + 1] - edge[p])

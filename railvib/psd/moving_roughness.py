@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from railvib.numerics.jit import reduction_kernel
+from railvib.psd._kernels.averages import add_force_products
 from railvib.transfer.table import Receiver
 
 
@@ -92,27 +92,11 @@ def line_means(
     """
     parts = np.ascontiguousarray(force, complex).view(float)
     summed = np.zeros((force.shape[0], distance.size))
-    _by_distance(parts, _columns(distance, axle_position), summed)
+    add_force_products(parts, _columns(distance, axle_position), summed)
     return {
         receiver: np.asarray(np.einsum("fd,fd->f", integral, summed))
         for receiver, integral in integrals.items()
     }
-
-
-@reduction_kernel
-def _by_distance(force, column, out):
-    """Add Σ_s Re P_ls* P_ms over the axles l and m at each distance to `out` (lines, distances).
-
-    Real and imaginary parts of the forces are in turn, (lines, axles, 2·sets).
-    """
-    lines, axles, parts = force.shape
-    for i in range(lines):
-        for k in range(axles):
-            for m in range(k + 1):
-                total = 0.0
-                for n in range(parts):
-                    total += force[i, k, n] * force[i, m, n]
-                out[i, column[k, m]] += total if m == k else 2.0 * total
 
 
 def _responses(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:

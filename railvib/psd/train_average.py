@@ -13,8 +13,8 @@ import numpy as np
 
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics.jit import kernel
-from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals, lagrange_weights
+from railvib.numerics.wavenumber_panels import ORDER
+from railvib.psd._kernels.averages import axle_products
 from railvib.transfer.nodes import TOP
 from railvib.transfer.transfer_function import TransferFunction
 
@@ -66,7 +66,7 @@ def train_integrals(
             step = min(_COARSEST_STEP, wavelength / _STEPS_PER_WAVELENGTH)
             grid = step * np.arange(int(np.ceil(np.ptp(axle_position) / step)) + 5)
             _beta, transfer = receiver.at(int(block), f[here])
-            integral[here] = _products(
+            integral[here] = axle_products(
                 table.nodes.panel_edges(f[here]),
                 np.stack([transfer.real, transfer.imag], axis=1).reshape(transfer.shape[0], 2, -1, ORDER),
                 grid,
@@ -90,36 +90,3 @@ def _points(axle_position: np.ndarray, wavelength: float) -> tuple[np.ndarray, n
         points.append(0.5 * (low + high) + 0.5 * (high - low) * node)
         weights.append(0.5 * (high - low) * weight)
     return np.concatenate(points), np.concatenate(weights)
-
-
-@kernel
-def _products(edge, transfer, grid, at, weight):
-    """Return Σ_x w H*(x − α_l) H(x − α_m), (lines, axles, axles); `at` is |x − α| in steps of the grid."""
-    lines = edge.shape[0]
-    axles = at.shape[1]
-    out = np.empty((lines, axles, axles), np.complex128)
-    response = np.empty((at.shape[0], axles), np.complex128)
-    lagrange = np.empty(8)
-    sine = np.empty((2, grid.shape[0]))
-    cosine = np.empty((2, grid.shape[0]))
-    for i in range(lines):
-        half = 0.5 * (edge[i, 1:] - edge[i, :-1])
-        centre = 0.5 * (edge[i, 1:] + edge[i, :-1])
-        cosine[:] = 0.0
-        fourier_integrals(centre, half, transfer[i], grid, cosine, sine)
-        line = (cosine[0] + 1j * cosine[1]) / np.pi
-        for j in range(at.shape[0]):
-            for axle in range(axles):
-                first = min(max(int(at[j, axle]) - 3, 0), grid.shape[0] - 8)
-                lagrange_weights(at[j, axle] - first, lagrange)
-                value = 0j
-                for m in range(8):
-                    value += lagrange[m] * line[first + m]
-                response[j, axle] = value
-        for one in range(axles):
-            for other in range(axles):
-                total = 0j
-                for j in range(at.shape[0]):
-                    total += weight[j] * np.conj(response[j, one]) * response[j, other]
-                out[i, one, other] = total
-    return out

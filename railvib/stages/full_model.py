@@ -19,7 +19,7 @@ from railvib.stages.receptances import RailReceptances
 from railvib.stages.stage import COMPLEX, Load, Stage, Work
 from railvib.stages.tables import LoadedFunctions, receiver_tables, tables_memory
 from railvib.stages.transfer_table import table_size
-from railvib.transfer.tabulate import largest_wavenumber
+from railvib.transfer.nodes import largest_wavenumber
 
 _PANELS_PER_RAD_M = 3.0
 """Of the excitation: 1 to 3 occurred, fewest on damped soil."""

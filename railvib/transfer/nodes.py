@@ -10,9 +10,24 @@ from functools import lru_cache
 import numpy as np
 
 from railvib.numerics.wavenumber_panels import nodes_between
+from railvib.parameters.ground import Ground
+from railvib.parameters.track import Track
 
 TOP = 1.3
 """Slowness at u = 1 over that of the slowest body wave."""
+
+
+def largest_wavenumber(track: Track, refinement: int = 1) -> float:
+    """Return β beyond which the rail on its pads carries the load alone, rad/m: EI β⁴ is 2000 pads."""
+    return float(refinement * (2000.0 * track.pad_stiffness / track.rail_bending_stiffness) ** 0.25)
+
+
+def node_range(
+    ground: Ground, track: Track, highest_frequency: float, refinement: int = 1
+) -> tuple[float, float]:
+    """Return slowness at u = 1, s/m, and wavenumber at u = 2, rad/m, for tables up to a frequency in Hz."""
+    top = TOP / ground.slowest_speed
+    return top, max(largest_wavenumber(track, refinement), 2.0 * 2.0 * np.pi * highest_frequency * top)
 
 
 @dataclass(frozen=True, eq=False)

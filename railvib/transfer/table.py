@@ -15,11 +15,9 @@ from typing import Any
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics.frequency_blocks import STENCIL
-from railvib.numerics.jit import fused_kernel
-from railvib.numerics.vector_math import cos_sin, exp
-from railvib.numerics.wavenumber_panels import NODE, ORDER, count_below, panel_weights
+from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.track import Track
+from railvib.transfer._kernels.waves import multiply_by_waves
 from railvib.transfer.interpolate import Rows
 from railvib.transfer.nodes import TOP, Nodes
 from railvib.transfer.track_response import track_response
@@ -28,8 +26,6 @@ Receiver = str | float
 """``"rail"``, or the distance from the centre line in m."""
 _NEGLIGIBLE_DECAY = 80.0
 """Exponent of decay beyond which a field is negligible, however much damping takes from its peak."""
-MOST_DECAY = 60.0
-"""Exponent beyond which the decay of a reference wave is cut: nothing is left."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +115,7 @@ class SharedTable:
 
     def rows(self, value: np.ndarray) -> Rows:
         """Return values at the table's frequencies and nodes for interpolation at scattered points."""
-        nodes = self.nodes
-        return Rows(self.block, self.level, nodes.top_slowness, nodes.largest, nodes.edge, value)
+        return Rows(self.block, self.level, self.nodes, value)
 
 
 @dataclass(frozen=True)
@@ -238,91 +233,3 @@ def negligible_beyond(distance: float) -> float:
     if distance <= 0.0:
         return np.inf
     return float(_NEGLIGIBLE_DECAY / (np.sqrt(1.0 - 1.0 / TOP**2) * distance))
-
-
-@fused_kernel
-def multiply_by_waves(value, factor, omega, slowness, beta, distance, sign, out):
-    """Write values times a factor times the waves' decay, or over that where the sign is −1.
-
-    Values have real and imaginary parts in turn, (n, 2·m), and so has the factor, in one row for all or in
-    as many.
-    """
-    wave = np.empty((2, beta.shape[1]))
-    for i in range(beta.shape[0]):
-        reference_waves(omega[i], slowness, beta[i], distance, sign, wave[0], wave[1])
-        own = factor[min(i, factor.shape[0] - 1)]
-        for j in range(beta.shape[1]):
-            a = value[i, 2 * j] * own[2 * j] - value[i, 2 * j + 1] * own[2 * j + 1]
-            b = value[i, 2 * j] * own[2 * j + 1] + value[i, 2 * j + 1] * own[2 * j]
-            out[i, 2 * j] = a * wave[0, j] - b * wave[1, j]
-            out[i, 2 * j + 1] = a * wave[1, j] + b * wave[0, j]
-
-
-@fused_kernel
-def interpolate_with_waves(first, weight, reduced, edge, omega, slowness, beta, distance):
-    """Return what reduced rows give with the waves' decay at points, real and imaginary part, (n, 2).
-
-    The decay is put back at the nodes of a point's panel: what the panels resolve is the whole function,
-    while a wave's own decay has a root in it where β is its wavenumber. From one end of a panel to the other
-    a field may fall by many orders, and is interpolated without an exponential that falls by as many.
-    """
-    out = np.empty((beta.shape[0], 2))
-    node = np.empty(ORDER)
-    row = np.empty(2 * ORDER)
-    wave = np.empty((2, ORDER))
-    basis = np.empty((ORDER, 1))
-    x = np.empty((2, 1))
-    one = np.int64(1)
-    for i in range(beta.shape[0]):
-        p = min(max(count_below(edge[i], beta[i]) - 1, 0), edge.shape[1] - 2)
-        middle = 0.5 * (edge[i, p + 1] + edge[i, p])
-        half = 0.5 * (edge[i, p + 1] - edge[i, p])
-        for j in range(ORDER):
-            node[j] = middle + half * NODE[j]
-            row[2 * j] = 0.0
-            row[2 * j + 1] = 0.0
-        for m in range(STENCIL):
-            for j in range(2 * ORDER):
-                row[j] += weight[i, m] * reduced[first[i] + m, 2 * ORDER * p + j]
-        own = slowness[ORDER * p : ORDER * (p + 1)]
-        reference_waves(omega[i], own, node, distance, 1.0, wave[0], wave[1])
-        k = omega[i] * own[0]
-        fall = np.sqrt(max(edge[i, p + 1] ** 2 - k * k, 0.0)) - np.sqrt(max(edge[i, p] ** 2 - k * k, 0.0))
-        slope = min(fall * distance, MOST_DECAY) / (2.0 * half)
-        x[0, 0] = (beta[i] - middle) / half
-        panel_weights(one, x[0], basis, x[1])
-        out[i, 0] = 0.0
-        out[i, 1] = 0.0
-        for j in range(ORDER):
-            basis[j, 0] *= exp(slope * (node[j] - beta[i]))
-            out[i, 0] += basis[j, 0] * (row[2 * j] * wave[0, j] - row[2 * j + 1] * wave[1, j])
-            out[i, 1] += basis[j, 0] * (row[2 * j] * wave[1, j] + row[2 * j + 1] * wave[0, j])
-    return out
-
-
-@fused_kernel
-def reference_waves(omega, slowness, beta, distance, sign, real, imag):
-    """Write e^{∓κ·distance}, κ² = β² − (ω·slowness)², cut where nothing is left; one slowness per β."""
-    start = 0
-    while start < beta.shape[0]:
-        travels = beta[start] < omega * slowness[start]
-        end = start + 1
-        while end < beta.shape[0] and (beta[end] < omega * slowness[end]) == travels:
-            end += 1
-        # From 0 in views of their own: so the compiler makes vector code of it.
-        b = beta[start:end]
-        s = slowness[start:end]
-        re = real[start:end]
-        im = imag[start:end]
-        if travels:
-            for j in range(b.shape[0]):
-                k = omega * s[j]
-                c, t = cos_sin(np.sqrt(abs(k * k - b[j] * b[j])) * distance)
-                re[j] = c
-                im[j] = -sign * t
-        else:
-            for j in range(b.shape[0]):
-                k = omega * s[j]
-                re[j] = exp(-sign * min(np.sqrt(abs(b[j] * b[j] - k * k)) * distance, MOST_DECAY))
-                im[j] = 0.0
-        start = end

@@ -11,8 +11,9 @@ import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.track import Track
-from railvib.transfer.interpolate import Tables, interpolated, joined
-from railvib.transfer.table import TransferBlock, interpolate_with_waves, multiply_by_waves
+from railvib.transfer._kernels.waves import interpolate_with_waves, multiply_by_waves
+from railvib.transfer.interpolate import Tables, interpolate, join
+from railvib.transfer.table import TransferBlock
 from railvib.transfer.track_response import track_response
 
 
@@ -40,11 +41,11 @@ class TransferFunction:
         """The ground's compliance under the track over all blocks, if it is known."""
         shared = [table.shared for table in self.blocks.values()]
         rows = [each.rows(each.compliance) for each in shared if each.compliance is not None]
-        return joined(rows) if len(rows) == len(shared) else None
+        return join(rows) if len(rows) == len(shared) else None
 
     @cached_property
     def _rail(self) -> Tables:
-        return joined([table.shared.rows(table.transfer) for table in self.blocks.values()])
+        return join([table.shared.rows(table.transfer) for table in self.blocks.values()])
 
     def at(self, block: int, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Interpolate to other frequencies of a block, on its nodes.
@@ -64,18 +65,18 @@ class TransferFunction:
         table = self.blocks[block]
         beta = table.nodes.wavenumber(frequency)
 
-        def interpolate(rows: np.ndarray) -> np.ndarray:
+        def to_places(rows: np.ndarray) -> np.ndarray:
             return blocks.interpolated(block, table.level, frequency, rows)
 
         def with_waves(rows: np.ndarray) -> np.ndarray:
-            value = interpolate(rows)
+            value = to_places(rows)
             omega = 2.0 * np.pi * frequency
             one = np.ones((1, beta.shape[1]), complex).view(float)
             parts = value.view(float)
             multiply_by_waves(parts, one, omega, table.node_slowness, beta, table.distance, 1.0, parts)
             return value
 
-        return beta, _transfer(table, self.track, frequency, beta, interpolate, with_waves)
+        return beta, _transfer(table, self.track, frequency, beta, to_places, with_waves)
 
     def response(self, wavenumber: np.ndarray, omega: np.ndarray, *, into_halo: bool = False) -> np.ndarray:
         """Interpolate the rail's response to any wavenumbers and frequencies.
@@ -106,9 +107,9 @@ class TransferFunction:
             raise ValueError(f"frequency {f.max():g} Hz lies above the tabulated {self.highest:g} Hz")
         under = self._under_track
         if self.track is None or under is None:
-            value = interpolated(self._rail, f, beta)
+            value = interpolate(self._rail, f, beta)
         else:
-            value, _force = track_response(self.track, beta, 2.0 * np.pi * f, interpolated(under, f, beta))
+            value, _force = track_response(self.track, beta, 2.0 * np.pi * f, interpolate(under, f, beta))
         np.conjugate(value, out=value, where=omega < 0.0)
         return value
 
@@ -150,8 +151,8 @@ def _at_points(
 ) -> np.ndarray:
     """Return a transfer function at pairs of frequency and wavenumber inside its table, (n,)."""
 
-    def interpolate(rows: np.ndarray) -> np.ndarray:
-        return interpolated(joined([table.shared.rows(rows)]), frequency, wavenumber)[:, None]
+    def to_places(rows: np.ndarray) -> np.ndarray:
+        return interpolate(join([table.shared.rows(rows)]), frequency, wavenumber)[:, None]
 
     def with_waves(rows: np.ndarray) -> np.ndarray:
         value = interpolate_with_waves(
@@ -165,7 +166,7 @@ def _at_points(
         )
         return np.asarray(value).view(complex)
 
-    return _transfer(table, track, frequency, wavenumber[:, None], interpolate, with_waves)[:, 0]
+    return _transfer(table, track, frequency, wavenumber[:, None], to_places, with_waves)[:, 0]
 
 
 def _transfer(
@@ -173,7 +174,7 @@ def _transfer(
     track: Track | None,
     frequency: np.ndarray,
     wavenumber: np.ndarray,
-    interpolate: Callable[[np.ndarray], np.ndarray],
+    to_places: Callable[[np.ndarray], np.ndarray],
     with_waves: Callable[[np.ndarray], np.ndarray],
 ) -> np.ndarray:
     """Return a transfer function at places to which rows of its table are interpolated.
@@ -184,7 +185,7 @@ def _transfer(
         The table, and the track to be put on it, as in `TransferFunction`.
     frequency, wavenumber
         The places: Hz, (n,), and rad/m, (n, m).
-    interpolate
+    to_places
         Interpolates the rows of an array (frequency, node) of the table to the places.
     with_waves
         The same with the reference waves' decay put back.
@@ -196,7 +197,7 @@ def _transfer(
     """
     if track is None or table.shared.compliance is None:
         return with_waves(table.reduced(track))
-    under = interpolate(table.shared.compliance)
+    under = to_places(table.shared.compliance)
     omega = 2.0 * np.pi * frequency[:, None]
     rail, force = track_response(track, wavenumber, omega, under)
     if table.receiver == "rail":

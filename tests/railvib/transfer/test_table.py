@@ -7,10 +7,13 @@ import pytest
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.ground import Ground, Layer
+from railvib.soil.fits import GroundFits
 from railvib.soil.quadrature import strip_compliance_by_quadrature
 from railvib.soil.rational_fit import RationalFit
 from railvib.transfer import tabulate
-from railvib.transfer.tabulate import distance_class, largest_wavenumber, transfer_blocks
+from railvib.transfer.evaluation import Evaluation
+from railvib.transfer.nodes import largest_wavenumber
+from railvib.transfer.tabulate import distance_class, transfer_blocks
 from railvib.transfer.track_response import track_response
 from railvib.transfer.transfer_function import TransferFunction
 
@@ -125,7 +128,7 @@ def test_the_error_that_a_table_states_is_that_of_what_is_read_from_it(receiver,
         f = blocks.frequency(table.level + 1, places)
         beta, found = functions[receiver].at(block, f)
         offset = 0.0 if receiver == "rail" else receiver
-        evaluate = tabulate.Evaluation(tabulate.GroundFits(SOFT, block, 1e-10), track, [offset], 1e-4)
+        evaluate = Evaluation(GroundFits(SOFT, block, 1e-10), track, [offset], 1e-4)
         values = np.array(
             [evaluate(table.level + 1, int(k), row) for k, row in zip(places, beta, strict=True)]
         )
@@ -145,13 +148,13 @@ def test_quadrature_takes_over_where_the_fit_fails(track, monkeypatch):
     ground = Ground(
         layers=[Layer(shear_speed=200.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.2)]
     )
-    fits = tabulate.GroundFits(ground, -3, 1e-10)
+    fits = GroundFits(ground, -3, 1e-10)
     beta = np.linspace(0.0, 3.0, 9)
-    evaluate = tabulate.Evaluation(fits, track, [8.0], 1e-4)
+    evaluate = Evaluation(fits, track, [8.0], 1e-4)
     fitted = evaluate(0, int(blocks.indices(-3, 0)[0]), beta)
     assert not evaluate.failed
-    monkeypatch.setattr(tabulate.GroundFits, "at", failing)
-    again = tabulate.Evaluation(fits, track, [8.0], 1e-4)
+    monkeypatch.setattr(GroundFits, "at", failing)
+    again = Evaluation(fits, track, [8.0], 1e-4)
     computed = again(0, int(blocks.indices(-3, 0)[0]), beta)
     np.testing.assert_allclose(computed, fitted, rtol=1e-6)
     assert len(again.failed) == 1
