@@ -10,9 +10,9 @@ from hypothesis import settings
 
 from railvib import library
 from railvib.parameters.ground import Ground
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
 from railvib.parameters.vehicle import Train, Vehicle
-from railvib.transfer.table import Receiver
 from railvib.transfer.tabulate import transfer_blocks
 from railvib.transfer.transfer_function import TransferFunction
 

@@ -19,12 +19,13 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import threads
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
 from railvib.soil.fits import GroundFits
 from railvib.soil.tensor_fit import TensorFit, fit_tensor
 from railvib.transfer.evaluation import Evaluation
 from railvib.transfer.nodes import node_range
-from railvib.transfer.table import Receiver, TransferBlock
+from railvib.transfer.table import TransferBlock
 from railvib.transfer.tabulate import transfer_blocks
 
 _WAVENUMBER_TIMES_STRIP = 50.0

@@ -47,6 +47,16 @@ class Receiver:
         return float("nan") if self.offset is None else self.offset
 
     @property
+    def rank(self) -> float:
+        """What receivers are sorted by: the rail first, then by offset."""
+        return -1.0 if self.offset is None else self.offset
+
+    @property
+    def under_track(self) -> bool:
+        """Whether it is on the rail or at the centre line, where the track follows the ground."""
+        return not self.offset
+
+    @property
     def label(self) -> str:
         """Shortest text that tells it from others: ``"rail"``, ``"8"``, ``"12.5"``."""
         return "rail" if self.offset is None else repr(float(self.offset)).removesuffix(".0")
@@ -68,3 +78,5 @@ class Receiver:
 
 
 RAIL = Receiver()
+CENTRE = Receiver(0.0)
+"""On the ground at the centre line."""

@@ -23,12 +23,12 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import threads
 from railvib.numerics.vector_math import turned
 from railvib.numerics.wavenumber_panels import FROM_POWERS, ORDER
+from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import panel_sums
 from railvib.psd._kernels.moments import moments
 from railvib.psd.excitation import Excitation
 from railvib.transfer.intensity import same_nodes, squares
 from railvib.transfer.nodes import Nodes
-from railvib.transfer.table import Receiver
 from railvib.transfer.tabulate import distance_class
 from railvib.transfer.transfer_function import TransferFunction
 
@@ -165,4 +165,4 @@ def _turn(receiver: Receiver) -> tuple[float, float]:
     The farthest class first, whose tables others, who begin at the track, have read last and may have left at
     hand; in a class the nearest first, which needs the most panels.
     """
-    return -distance_class(receiver), -1.0 if receiver == "rail" else float(receiver)
+    return -distance_class(receiver), receiver.rank

@@ -7,10 +7,10 @@ import numpy as np
 from railvib import cost
 from railvib.forces.receptance import Receptances
 from railvib.forces.wheel_rail import axle_forces
+from railvib.parameters.receiver import Receiver
 from railvib.psd.excitation import excitation
 from railvib.psd.full_model import passage_spectra
 from railvib.psd.spectra import Passage, Spectra, assemble
-from railvib.transfer.table import Receiver
 from railvib.transfer.transfer_function import TransferFunction
 
 

@@ -16,9 +16,9 @@ import numpy.typing as npt
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.wavenumber_panels import ORDER
+from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import add_cosine_integrals
 from railvib.transfer.intensity import same_nodes, squared, squared_at
-from railvib.transfer.table import Receiver
 from railvib.transfer.transfer_function import TransferFunction
 
 _AT_ONCE = 64

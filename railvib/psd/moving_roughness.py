@@ -12,8 +12,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import add_force_products
-from railvib.transfer.table import Receiver
 
 
 def spans(axle_position: np.ndarray) -> np.ndarray:

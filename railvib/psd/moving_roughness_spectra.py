@@ -8,11 +8,11 @@ from railvib import cost
 from railvib.forces.receptance import Receptances
 from railvib.forces.wheel_rail import AxleEquations
 from railvib.parameters.approach import Approach
+from railvib.parameters.receiver import Receiver
 from railvib.psd.line_integrals import LineIntegrals
 from railvib.psd.moving_roughness import axle_pairs, force_products, line_means, products
 from railvib.psd.spectra import Passage, Spectra, assemble
 from railvib.psd.train_average import TrainIntegrals
-from railvib.transfer.table import Receiver
 
 LINES_AT_ONCE = 128
 """Lines whose matrices are in memory at once: few enough to stay in the cache."""

@@ -11,9 +11,10 @@ import numpy as np
 from railvib import cost
 from railvib.numerics.vector_math import turned
 from railvib.parameters.ground import Ground
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
 from railvib.transfer.nodes import TOP
-from railvib.transfer.table import Receiver, negligible_beyond
+from railvib.transfer.table import negligible_beyond
 from railvib.transfer.transfer_function import TransferFunction
 
 
@@ -80,7 +81,7 @@ def highest_left(ground: Ground, track: Track, receiver: Receiver, speed: float)
 
     Infinite for loads that a wave can follow, and where there is no way to the receiver.
     """
-    distance = 0.0 if receiver == "rail" else max(float(receiver) - track.half_width, 0.0)
+    distance = receiver.distance(track.half_width)
     if TOP * speed >= ground.slowest_speed:
         return np.inf
     return negligible_beyond(distance) * speed / (2.0 * np.pi)

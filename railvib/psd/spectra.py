@@ -11,9 +11,9 @@ from railvib import cost
 from railvib.forces.wheel_rail import arrivals, axle_numbers
 from railvib.numerics import third_octaves, threads
 from railvib.parameters.approach import Approach
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
-from railvib.transfer.table import Receiver
 
 _STEPS_PER_RIPPLE = 8
 _COARSEST_STEP = 0.125
@@ -207,7 +207,7 @@ def _velocities(
     quasi_static: np.ndarray,
 ) -> list[_Series]:
     """Return the rows of one receiver: dynamic, quasi-static and total velocity."""
-    name, offset = ("rail", np.nan) if receiver == "rail" else ("ground", float(receiver))
+    name, offset = receiver.name, receiver.offset_m
     squared = (2.0 * np.pi * frequency) ** 2
     rows = [_Series("quasi-static", "velocity", name, "line", offset, quasi_static * squared)]
     for averaging, dynamic in displacement.items():

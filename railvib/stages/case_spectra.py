@@ -8,13 +8,13 @@ import numpy as np
 
 from railvib.forces.wheel_rail import axle_distances
 from railvib.parameters.approach import Approach
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
 from railvib.psd.spectra import Passage, Spectra, line_step
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage
 from railvib.stages.quasi_static import QuasiStaticResponse
 from railvib.stages.stage import FLOAT, Load, Scope
-from railvib.transfer.table import Receiver
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,7 +77,7 @@ class CaseSpectra(ModelStage):
     def quasi_static_psd(self, load: Load) -> dict[Receiver, np.ndarray]:
         """Return the PSDs of displacement from the axle loads by receiver, m²/Hz, (lines,)."""
         psd = load(self.quasi_static).psd
-        return dict(zip((receiver.key for receiver in self.receivers), psd, strict=True))
+        return dict(zip(self.receivers, psd, strict=True))
 
     def nbytes(self) -> int:
         """Estimate the spectra."""

@@ -51,7 +51,7 @@ class FeBeTable(TransferTable):
         for stage in stages:
             # No rate makes up for an estimate on the safe side here.
             rows, nodes = table_size(stage.ground, stage.block, stage.receiver, waves_followed=8.0)
-            reach = distance_class(stage.receiver.key)
+            reach = distance_class(stage.receiver)
             places[reach] = max(places.get(reach, 0.0), (rows + _CHECKS + _PANEL_ROWS) * nodes)
         return Work(cls.SORT, {"values": sum(places.values())})
 

@@ -58,17 +58,18 @@ class ReceiverLineIntegrals(ModelStage):
         first = stages[0]
         classes: dict[float, list[Self]] = {}
         for stage in stages:
-            classes.setdefault(distance_class(stage.receiver.key), []).append(stage)
+            classes.setdefault(distance_class(stage.receiver), []).append(stage)
         for members in classes.values():
             for start in range(0, len(members), RECEIVERS_AT_ONCE):
-                batch = {stage.receiver.key: stage for stage in members[start : start + RECEIVERS_AT_ONCE]}
+                batch = {stage.receiver: stage for stage in members[start : start + RECEIVERS_AT_ONCE]}
                 functions = {
-                    key: transfer_function(stage.needs(), stage.track, load) for key, stage in batch.items()
+                    receiver: transfer_function(stage.needs(), stage.track, load)
+                    for receiver, stage in batch.items()
                 }
                 integrals = line_integrals(
                     functions, first.distances, first.blocks, first.tolerance, first.refinement
                 )
-                yield {batch[key]: integral for key, integral in integrals.items()}
+                yield {batch[receiver]: integral for receiver, integral in integrals.items()}
 
     def _sizes(self) -> list[tuple[int, float]]:
         return [table_size(self.ground, block, self.receiver) for block in self.blocks]

@@ -72,8 +72,8 @@ class MovingRoughnessSpectra(CaseSpectra):
             self.passage,
             load(self.rail),
             self.quasi_static_psd(load),
-            {receiver.key: load(self.line_integrals(receiver)) for receiver in self.receivers},
-            {receiver.key: load(self.train_integrals(receiver)) for receiver in self._averages_over_train},
+            {receiver: load(self.line_integrals(receiver)) for receiver in self.receivers},
+            {receiver: load(self.train_integrals(receiver)) for receiver in self._averages_over_train},
         )
 
     def memory(self) -> int:

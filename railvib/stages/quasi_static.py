@@ -52,7 +52,7 @@ class QuasiStaticResponse(ModelStage):
     def _tables(self, receiver: Receiver) -> tuple[Stage, ...]:
         """Return a receiver's tables as far up as something is left of its response."""
         lower, upper = third_octaves.edges(self.band)
-        highest = highest_left(self.ground, self.track, receiver.key, self.speed)
+        highest = highest_left(self.ground, self.track, receiver, self.speed)
         # One block at least: without any, a transfer function cannot return zero.
         top = min(upper[-1], max(highest, upper[0]))
         return receiver_tables(self, receiver, blocks.covering(float(lower[0]), float(top)))
@@ -74,7 +74,7 @@ class QuasiStaticResponse(ModelStage):
             self.speed,
             frequency,
         )
-        return QuasiStatic(frequency, np.array([spectra[receiver.key] for receiver in self.receivers]))
+        return QuasiStatic(frequency, np.array([spectra[receiver] for receiver in self.receivers]))
 
     def nbytes(self) -> int:
         """Estimate the spectra."""

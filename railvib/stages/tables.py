@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from railvib.parameters.receiver import Key, Receiver
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
 from railvib.psd.full_model import RECEIVERS_AT_ONCE
 from railvib.stages.fe_be_table import FeBeTable
@@ -37,7 +37,7 @@ def transfer_function(tables: Sequence[Stage], track: Track, load: Load) -> Tran
     return TransferFunction([load(table) for table in tables], track)
 
 
-class LoadedFunctions(Mapping[Key, TransferFunction]):
+class LoadedFunctions(Mapping[Receiver, TransferFunction]):
     """Transfer functions by receiver, loaded each time that one is asked for.
 
     Tables of a hundred receivers take more memory than a worker has: whoever goes through them one by one
@@ -45,14 +45,14 @@ class LoadedFunctions(Mapping[Key, TransferFunction]):
     """
 
     def __init__(self, tables: Mapping[Receiver, Sequence[Stage]], track: Track, load: Load) -> None:
-        self._tables = {receiver.key: stages for receiver, stages in tables.items()}
+        self._tables = tables
         self._track = track
         self._load = load
 
-    def __getitem__(self, key: Key) -> TransferFunction:
-        return transfer_function(self._tables[key], self._track, self._load)
+    def __getitem__(self, receiver: Receiver) -> TransferFunction:
+        return transfer_function(self._tables[receiver], self._track, self._load)
 
-    def __iter__(self) -> Iterator[Key]:
+    def __iter__(self) -> Iterator[Receiver]:
         return iter(self._tables)
 
     def __len__(self) -> int:

@@ -78,5 +78,5 @@ class ReceiverTrainIntegrals(ModelStage):
 @cache
 def _compile() -> None:
     ground, track = library.load("soil", "horstwalde"), library.load("track", "ballasted-paper")
-    tables = transfer_blocks(ground, track, 0, [RAIL.key], 1e-2)
+    tables = transfer_blocks(ground, track, 0, [RAIL], 1e-2)
     train_integrals(TransferFunction(tables.values(), track), np.array([0.0, 2.0]), np.array([2.0]))

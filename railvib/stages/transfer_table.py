@@ -57,12 +57,12 @@ class TransferTable(ModelStage):
     def compute_together(cls, stages: Sequence[Self], load: Load) -> Iterator[Mapping[Self, TransferBlock]]:
         """Tabulate the receivers of a block class by class."""
         first = stages[0]
-        by_key = {stage.receiver.key: stage for stage in stages}
+        stage_at = {stage.receiver: stage for stage in stages}
         for tables in transfer_blocks_by_class(
             first.ground,
             first.track,
             first.block,
-            by_key,
+            stage_at,
             first.tolerance,
             first.refinement,
             first.evaluation(),
@@ -71,7 +71,7 @@ class TransferTable(ModelStage):
                 shortfall = table.shortfall(first.tolerance)
                 if shortfall:
                     warnings.warn(shortfall, AccuracyWarning, stacklevel=2)
-            yield {by_key[key]: table for key, table in tables.items()}
+            yield {stage_at[receiver]: table for receiver, table in tables.items()}
 
     def evaluation(self) -> Any:
         """Return what evaluates the transfer functions; None for the semi-analytical model."""

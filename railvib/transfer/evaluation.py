@@ -6,12 +6,12 @@ import numpy as np
 
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
 from railvib.soil.fits import GroundFits
 from railvib.soil.quadrature import strip_compliance_by_quadrature
 from railvib.soil.strip import strip_compliances
 from railvib.transfer._kernels.track import multiply_by_force
-from railvib.transfer.table import Receiver
 from railvib.transfer.track_response import track_response
 
 
@@ -40,7 +40,7 @@ class Evaluation:
 
     def row(self, receiver: Receiver) -> int:
         """Return the row of a receiver in what a call returns."""
-        return 0 if receiver == "rail" else 1 + int(np.searchsorted(self.offsets, float(receiver)))
+        return 0 if receiver.offset is None else 1 + int(np.searchsorted(self.offsets, receiver.offset))
 
     def __call__(self, level: int, k: int, beta: np.ndarray) -> np.ndarray:
         """Return the rail and the ground at the offsets at frequency k of a level, (1 + offsets, n)."""

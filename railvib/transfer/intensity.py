@@ -15,11 +15,12 @@ from numpy.lib.stride_tricks import sliding_window_view
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.frequency_blocks import STENCIL
 from railvib.numerics.wavenumber_panels import ORDER, WEIGHT
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
 from railvib.transfer._kernels.intensity import multiply_by_squares, square_rows, squares_on_track
 from railvib.transfer.interpolation_error import halfway_places
 from railvib.transfer.nodes import Nodes
-from railvib.transfer.table import Receiver, TransferBlock
+from railvib.transfer.table import TransferBlock
 from railvib.transfer.track_response import track_parameters
 from railvib.transfer.transfer_function import TransferFunction
 
@@ -189,13 +190,13 @@ def _evaluate(table: TransferBlock, track: Track | None, frequency: np.ndarray) 
     else:
         forces = table.shared.squared_forces
         key = track, frequency.tobytes()
-        under_track = table.receiver == "rail" or table.offset == 0.0
+        under_track = table.point.under_track
         if under_track or key not in forces:
             rail, centre, force = squares_on_track(
                 *stencils, _floats(compliance), edge, omega, *track_parameters(track)
             )
             if under_track:
-                return np.asarray(rail if table.receiver == "rail" else centre)
+                return np.asarray(rail if table.point.on_rail else centre)
             forces[key] = force.copy()
         value = forces[key].copy()
     multiply_by_squares(

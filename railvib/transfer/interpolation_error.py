@@ -15,10 +15,10 @@ import numpy as np
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.frequency_blocks import STENCIL
 from railvib.numerics.wavenumber_panels import ORDER
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
 from railvib.transfer._kernels.waves import largest_errors
 from railvib.transfer.nodes import TOP, Nodes
-from railvib.transfer.table import Receiver
 from railvib.transfer.track_response import track_response
 
 _GOOD_ENOUGH = 0.1
@@ -107,7 +107,7 @@ class HalfwayCheck:
     def negligible(self, receiver: Receiver, direct: np.ndarray) -> np.ndarray:
         """Return the size below which errors of a transfer function do not count, at each place, m²/N."""
         # The peak is the field's: that under the track for the ground, however far the receiver.
-        under = direct if receiver == "rail" else self._direct_centre
+        under = direct if receiver.on_rail else self._direct_centre
         return np.asarray(_NEGLIGIBLE * np.abs(under).max(axis=1))
 
     def reference_slowness(
@@ -135,9 +135,9 @@ class HalfwayCheck:
         """
         panels = direct.shape[1] // ORDER
         size = np.maximum(np.abs(direct), self.negligible(receiver, direct)[:, None])
-        if self._on_track and receiver in ("rail", 0.0):
+        if self._on_track and receiver.under_track:
             # No wave travels, and the track is put on exactly.
-            interpolated = self._rail if receiver == "rail" else self._centre
+            interpolated = self._rail if receiver.on_rail else self._centre
             worst = float((np.abs(interpolated - direct) / size).max())
             return (np.zeros(panels), worst) if required or worst <= tolerance else None
         function = _Function(rows, direct, size, distance)

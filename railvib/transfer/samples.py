@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.parameters.receiver import CENTRE, Receiver
 from railvib.parameters.track import Track
 from railvib.soil.fits import GroundFits
 from railvib.transfer.evaluation import Model
 from railvib.transfer.nodes import Nodes
-from railvib.transfer.table import Receiver
 
 _COMPLIANCE = "compliance"
 """Key of C(β, 0) among the values of a frequency, which have receivers as keys."""
@@ -42,8 +42,8 @@ class Samples:
         self.tolerance = tolerance
         self.failed: set[float] = set()
         self._model = model
-        self._known: dict[tuple[int, int], dict[Receiver, np.ndarray]] = {}
-        self._rows: dict[tuple[int, bytes], list[dict[Receiver, np.ndarray]]] = {}
+        self._known: dict[tuple[int, int], dict[Receiver | str, np.ndarray]] = {}
+        self._rows: dict[tuple[int, bytes], list[dict[Receiver | str, np.ndarray]]] = {}
 
     def evaluate(self, level: int, ks: np.ndarray, receivers: Sequence[Receiver]) -> None:
         """Compute the missing values of receivers at frequencies of a level, and of the ground at 0."""
@@ -54,9 +54,9 @@ class Samples:
             if missing:
                 missing_at.setdefault(missing, []).append(k)
         for missing, some_ks in missing_at.items():
-            offsets = [float(receiver) for receiver in missing if receiver != "rail"]
+            offsets = [receiver.offset for receiver in missing if receiver.offset is not None]
             evaluate = self._model(self.fits, self.track, offsets, self.tolerance)
-            rows = [(receiver, evaluate.row(receiver)) for receiver in (0.0, *missing)]
+            rows = [(receiver, evaluate.row(receiver)) for receiver in (CENTRE, *missing)]
             betas = self.nodes.wavenumber(blocks.frequency(level, np.array(some_ks)))
             for k, beta in zip(some_ks, betas, strict=True):
                 values = evaluate(level, k, beta)
@@ -66,7 +66,7 @@ class Samples:
                     known[_COMPLIANCE] = evaluate.compliance
             self.failed |= evaluate.failed
 
-    def at(self, level: int, ks: np.ndarray, receiver: Receiver) -> list[np.ndarray]:
+    def at(self, level: int, ks: np.ndarray, receiver: Receiver | str) -> list[np.ndarray]:
         """Return the values of a receiver at frequencies of a level, each on the nodes."""
         key = level, ks.tobytes()
         if key not in self._rows:

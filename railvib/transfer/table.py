@@ -16,14 +16,13 @@ import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.wavenumber_panels import ORDER
+from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.track import Track
 from railvib.transfer._kernels.waves import multiply_by_waves
 from railvib.transfer.interpolate import Rows
 from railvib.transfer.nodes import TOP, Nodes
 from railvib.transfer.track_response import track_response
 
-Receiver = str | float
-"""``"rail"``, or the distance from the centre line in m."""
 _NEGLIGIBLE_DECAY = 80.0
 """Exponent of decay beyond which a field is negligible, however much damping takes from its peak."""
 
@@ -146,6 +145,11 @@ class TransferBlock:
     """Largest relative error of interpolation between the frequencies, where it was checked."""
 
     @property
+    def point(self) -> Receiver:
+        """The receiver."""
+        return RAIL if self.receiver == "rail" else Receiver(self.offset)
+
+    @property
     def block(self) -> int:
         """Index of the block, see `railvib.numerics.frequency_blocks`."""
         return self.shared.block
@@ -217,10 +221,9 @@ class TransferBlock:
         """Return what to say where the table misses a tolerance, else None."""
         if self.interpolation_error <= tolerance:
             return None
-        name = "the rail" if self.receiver == "rail" else f"the ground at {self.offset:g} m"
         low, high = blocks.edges(self.block)
         return (
-            f"transfer function of {name} from {low:.3g} to {high:.3g} Hz: "
+            f"transfer function of {self.point.title} from {low:.3g} to {high:.3g} Hz: "
             f"error {self.interpolation_error:.1e} is above the tolerance {tolerance:g}"
         )
 

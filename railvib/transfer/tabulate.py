@@ -13,6 +13,7 @@ import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.ground import Ground
+from railvib.parameters.receiver import CENTRE, Receiver
 from railvib.parameters.track import Track
 from railvib.soil.fits import GroundFits
 from railvib.transfer.evaluation import Evaluation, Model, compliance_error
@@ -20,7 +21,7 @@ from railvib.transfer.intensity import square_level
 from railvib.transfer.interpolation_error import HalfwayCheck, halfway_places
 from railvib.transfer.resolution import resolve_nodes
 from railvib.transfer.samples import Samples
-from railvib.transfer.table import Receiver, SharedTable, TransferBlock
+from railvib.transfer.table import SharedTable, TransferBlock
 
 MOST_LEVELS = 6
 TIGHTEST, LOOSEST = 1e-6, 1e-2
@@ -33,9 +34,7 @@ VALUES_AT_ONCE = 32
 
 def distance_class(receiver: Receiver) -> float:
     """Return the farthest distance of the receiver's class, m: 8, 16, 32, …; 8 for the rail."""
-    if receiver == "rail":
-        return 8.0
-    return float(8.0 * 2.0 ** max(np.ceil(np.log2(max(float(receiver), 1.0) / 8.0)), 0.0))
+    return float(8.0 * 2.0 ** max(np.ceil(np.log2(max(receiver.offset or 0.0, 1.0) / 8.0)), 0.0))
 
 
 def transfer_blocks(
@@ -56,7 +55,7 @@ def transfer_blocks(
     block
         Index of the block, see `railvib.numerics.frequency_blocks`.
     receivers
-        ``"rail"`` and distances from the centre line in m.
+        The rail, and the ground at offsets.
     tolerance
         Relative error allowed where a function exceeds 1e-8 of its peak (for the ground, of that at y = 0).
     refinement
@@ -101,7 +100,7 @@ def transfer_blocks_by_class(
     for reach, members in sorted(classes.items()):
         nodes = resolve_nodes(model(fits, track, (0.0, reach), tolerance), tolerance, refinement)
         receiver_class = _Class(compliance_error(fits, track, reach, tolerance))
-        ordered = sorted(members, key=lambda receiver: -1.0 if receiver == "rail" else float(receiver))
+        ordered = sorted(members, key=lambda receiver: receiver.rank)
         for first in range(0, len(ordered), VALUES_AT_ONCE):
             samples = Samples(model, fits, track, nodes, tolerance)
             yield from _tables(samples, ordered[first : first + VALUES_AT_ONCE], receiver_class, refinement)
@@ -124,7 +123,7 @@ class _Class:
                 samples.nodes,
                 samples.track,
                 samples.compliance(level, places.row),
-                samples.at(level + 1, places.place, 0.0),
+                samples.at(level + 1, places.place, CENTRE),
             )
         return self._checks[level]
 
@@ -183,7 +182,7 @@ def _tables(
         check = receiver_class.check(samples, level)
         tables: dict[Receiver, TransferBlock] = {}
         for receiver in pending:
-            distance = 0.0 if receiver == "rail" else max(float(receiver) - samples.track.half_width, 0.0)
+            distance = receiver.distance(samples.track.half_width)
             rows = samples.at(level, check.places.row, receiver)
             direct = np.array(samples.at(level + 1, check.places.place, receiver))
             required = receiver in passed or level >= MOST_LEVELS
@@ -197,8 +196,8 @@ def _tables(
             table = TransferBlock(
                 receiver_class.shared(samples, level),
                 transfer=np.array(samples.at(level, ks, receiver)),
-                receiver="rail" if receiver == "rail" else "ground",
-                offset=np.nan if receiver == "rail" else float(receiver),
+                receiver=receiver.name,
+                offset=receiver.offset_m,
                 distance=distance,
                 square_level=level,
                 reference_slowness=tuple(slowness.tolist()),

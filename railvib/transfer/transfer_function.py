@@ -200,7 +200,7 @@ def _transfer(
     under = to_places(table.shared.compliance)
     omega = 2.0 * np.pi * frequency[:, None]
     rail, force = track_response(track, wavenumber, omega, under)
-    if table.receiver == "rail":
+    if table.point.on_rail:
         return rail
     if table.offset == 0.0:
         return np.asarray(force * under)

@@ -8,6 +8,7 @@ from railvib.fe_be.coupling import columns, strip_edges
 from railvib.fe_be.model import fe_be_blocks, fe_be_response
 from railvib.fe_be.solid_bed import CondensedBed, SolidBed
 from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.track import Track, TrackLayer
 from railvib.soil.compliance import line_compliance
 from railvib.transfer.track_response import track_response
@@ -58,10 +59,10 @@ def test_tables_of_the_degenerate_model_are_those_of_the_semi_analytical_one(gre
             slab_loss_factor=0.02,
             mat=TrackLayer(stiffness=1e8, mass=0.0, loss_factor=0.1),
         )
-    made = fe_be_blocks(greby, track, SEMI_ANALYTICAL, 1, ["rail", 8.0], 1e-2)
-    judged = tables(greby, track, range(1, 2), ("rail", 8.0), 1e-2)
+    made = fe_be_blocks(greby, track, SEMI_ANALYTICAL, 1, [RAIL, Receiver(8.0)], 1e-2)
+    judged = tables(greby, track, range(1, 2), (RAIL, Receiver(8.0)), 1e-2)
     for receiver, function in judged.items():
-        np.testing.assert_array_equal(made[receiver].wavenumber, function.blocks[1].wavenumber)
+        np.testing.assert_array_equal(made[receiver].shared.wavenumber, function.blocks[1].shared.wavenumber)
         direct = function.blocks[1].transfer
         np.testing.assert_allclose(made[receiver].transfer, direct, rtol=1e-6, atol=1e-6 * abs(direct).max())
 

@@ -14,6 +14,7 @@ import pytest
 from railvib.forces.receptance import tabulated_receptances
 from railvib.forces.wheel_rail import arrivals, axle_distances, force_matrices
 from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
 from railvib.psd.excitation import excitation
@@ -25,6 +26,7 @@ from railvib.transfer.track_response import track_response
 
 SPEED = 40.0
 OFFSET = 8.0
+RECEIVER = Receiver(OFFSET)
 WINDOW = 1200.0
 """Length of line in one record, m; the train passes its middle."""
 POINTS = 8192
@@ -52,7 +54,7 @@ def single(vehicle):
 
 @pytest.fixture(scope="module")
 def functions(soft, track, tables):
-    return tables(soft, track, range(-3, 5), ("rail", OFFSET), 1e-5)
+    return tables(soft, track, range(-3, 5), (RAIL, RECEIVER), 1e-5)
 
 
 @numba.njit
@@ -115,7 +117,7 @@ def passages(soft, track, single, functions):
     """Displacements over time per unit amplitude of each harmonic, (harmonics, times), and the harmonics'
     variances.
     """
-    moving = tabulated_receptances(functions["rail"], track, SPEED, axle_distances(single), range(-3, 4))
+    moving = tabulated_receptances(functions[RAIL], track, SPEED, axle_distances(single), range(-3, 4))
     oracle = Oracle(soft, track)
     beta = 0.5 * (EDGES[1:] + EDGES[:-1])
     f = beta * SPEED / (2.0 * np.pi)
@@ -138,7 +140,7 @@ def lines():
 @pytest.fixture(scope="module")
 def predicted(single, functions, passages, lines):
     excited = excitation(single, passages[2], ROUGH, SPEED, 100.0)
-    return passage_spectra({OFFSET: functions[OFFSET]}, excited, single.length, SPEED, lines)[OFFSET]
+    return passage_spectra({RECEIVER: functions[RECEIVER]}, excited, single.length, SPEED, lines)[RECEIVER]
 
 
 def test_expected_periodogram(passages, predicted, lines, single):
@@ -168,7 +170,7 @@ def test_cut_off_wavelengths(passages, functions, single, lines):
         }
     )
     excited = excitation(single, moving, cut, SPEED, 100.0)
-    psd = passage_spectra({OFFSET: functions[OFFSET]}, excited, single.length, SPEED, lines)[OFFSET]
+    psd = passage_spectra({RECEIVER: functions[RECEIVER]}, excited, single.length, SPEED, lines)[RECEIVER]
     row = np.round(lines / FREQUENCY_STEP).astype(int)
     spectrum = spectrum_of(u[first:last])
     expected = variance[first:last] @ (np.abs(spectrum[:, row]) ** 2 + np.abs(spectrum[:, -row]) ** 2)
@@ -227,6 +229,6 @@ def test_constant_axle_loads(soft, track, single, functions):
     f = FREQUENCY_STEP * row
     expected = 2.0 * np.abs(spectrum_of(u.real)[row]) ** 2 * SPEED / single.length
     psd = quasi_static_spectra(functions, single.axle_positions, single.axle_loads, single.length, SPEED, f)[
-        OFFSET
+        RECEIVER
     ]
     np.testing.assert_allclose(psd, expected, rtol=1e-4)

@@ -13,6 +13,7 @@ from railvib.forces.smooth_receptance import Load
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.wavenumber_panels import WEIGHT, nodes_between
 from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.receiver import RAIL
 from railvib.transfer.track_response import track_response
 
 SOFT = Ground(layers=[Layer(shear_speed=150.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.1)])
@@ -21,7 +22,7 @@ DISTANCES = [-19.0, -2.7, 0.0, 2.7, 19.0]
 
 @pytest.fixture(scope="module")
 def rail(track, tables):
-    return tables(SOFT, track, range(-3, 5), ("rail",))["rail"]
+    return tables(SOFT, track, range(-3, 5), (RAIL,))[RAIL]
 
 
 @pytest.mark.parametrize("speed", [0.0, 40.0])

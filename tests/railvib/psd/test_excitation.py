@@ -10,6 +10,7 @@ from railvib.forces.wheel_rail import axle_distances
 from railvib.numerics import third_octaves
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
 from railvib.psd.excitation import excitation, resolved
@@ -84,7 +85,7 @@ def test_nothing_beyond_the_last_edge(track, tables):
     soft = Ground(
         layers=[Layer(shear_speed=120.0, dilatational_speed=300.0, density=1800.0, loss_factor=0.1)]
     )
-    functions = tables(soft, track, range(1, 3), ("rail", 8.0), 1e-4)
+    functions = tables(soft, track, range(1, 3), (RAIL, Receiver(8.0)), 1e-4)
     f, end = np.array([6.0, 20.0]), 0.5
     assert np.all(2.0 * np.pi * f / SPEED > end)
     short = passage_spectra(functions, resolved(sharp, end, ALPHA), 50.0, SPEED, f)
@@ -103,8 +104,8 @@ def test_tolerance_is_kept_in_lines_and_bands(kmh, track, tables, train):
     soft = Ground(
         layers=[Layer(shear_speed=120.0, dilatational_speed=300.0, density=1800.0, loss_factor=0.1)]
     )
-    functions = tables(soft, track, range(-3, 5), ("rail", 8.0), 1e-4)
-    moving = tabulated_receptances(functions["rail"], track, speed, axle_distances(train), range(-3, 3))
+    functions = tables(soft, track, range(-3, 5), (RAIL, Receiver(8.0)), 1e-4)
+    moving = tabulated_receptances(functions[RAIL], track, speed, axle_distances(train), range(-3, 3))
     midband = third_octaves.midbands(2.0, 8.0)
     f = lines(midband, line_step(train.length, speed))
 

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.vehicle import Train
 from railvib.psd.line_integrals import directly
 from railvib.psd.moving_roughness import axle_pairs, products, spans
 from railvib.psd.train_average import train_integrals
 
 SOFT = Ground(layers=[Layer(shear_speed=120.0, dilatational_speed=300.0, density=1800.0, loss_factor=0.1)])
-RECEIVERS = ("rail", 0.0, 8.0, 32.0)
+RECEIVERS = (RAIL, *map(Receiver, (0.0, 8.0, 32.0)))
 FREQUENCY = np.array([1.7, 9.0, 28.0])
 
 

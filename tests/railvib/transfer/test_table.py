@@ -7,6 +7,7 @@ import pytest
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.receiver import CENTRE, RAIL, Receiver
 from railvib.soil.fits import GroundFits
 from railvib.soil.quadrature import strip_compliance_by_quadrature
 from railvib.soil.rational_fit import RationalFit
@@ -23,7 +24,7 @@ SOFT = Ground(
         Layer(shear_speed=220.0, dilatational_speed=500.0, density=1900.0, loss_factor=0.06),
     ]
 )
-RECEIVERS = ("rail", 0.0, 5.0, 20.0, 1.0)
+RECEIVERS = (RAIL, *map(Receiver, (0.0, 5.0, 20.0, 1.0)))
 """The last one beside the centre line, under the track."""
 
 
@@ -33,10 +34,10 @@ def functions(track, tables):
 
 
 def direct(track, receiver, frequency, beta):
-    y = 0.0 if receiver == "rail" else receiver
+    y = receiver.offset or 0.0
     c = strip_compliance_by_quadrature(SOFT, track.half_width, beta, [0.0, y], frequency, 1e-8)
     rail, force = track_response(track, beta, 2.0 * np.pi * frequency, c[0])
-    return complex(rail if receiver == "rail" else force * c[1])
+    return complex(rail if receiver.on_rail else force * c[1])
 
 
 @pytest.mark.parametrize("receiver", RECEIVERS)
@@ -56,12 +57,12 @@ def test_against_direct_evaluation(receiver, functions, track):
 
 def test_response_of_the_rail(functions, track):
     """The same by `response`, whose frequency may be negative, or zero, or below the tables."""
-    rail = functions["rail"]
+    rail = functions[RAIL]
     omega = np.array([60.0, -60.0, 0.0, 1e-3, -1e-3])
     value = rail.response(np.array([0.5, -0.5, 0.5, 0.5, 0.5]), omega)
-    assert abs(value[0] / direct(track, "rail", 60.0 / (2.0 * np.pi), 0.5) - 1.0) < 1e-4
+    assert abs(value[0] / direct(track, RAIL, 60.0 / (2.0 * np.pi), 0.5) - 1.0) < 1e-4
     assert value[1] == pytest.approx(np.conj(value[0]))
-    assert abs(value[2] / direct(track, "rail", 0.02, 0.5) - 1.0) < 1e-4
+    assert abs(value[2] / direct(track, RAIL, 0.02, 0.5) - 1.0) < 1e-4
     assert value[3] == value[2]
     assert value[4] == np.conj(value[3])
     with pytest.raises(ValueError, match="above the tabulated"):
@@ -69,7 +70,7 @@ def test_response_of_the_rail(functions, track):
 
 
 def test_beyond_the_table(functions, track):
-    ground = functions[5.0]
+    ground = functions[Receiver(5.0)]
     beta = np.geomspace(45.0, 1e4, 20000)
     for frequency in (0.5, 10.0, 30.0):
         np.testing.assert_array_equal(ground.along(np.full(20000, frequency), beta), 0.0)
@@ -90,25 +91,28 @@ def test_blocks_join(functions):
 
 def test_many_receivers_are_handed_on_some_at_a_time(functions, track):
     """They share one object of what they have in common, and have the same values as alone."""
-    made = list(tabulate.transfer_blocks_by_class(SOFT, track, -3, np.linspace(8.5, 15.5, 41).tolist()))
+    receivers = [Receiver(offset) for offset in np.linspace(8.5, 15.5, 41).tolist()]
+    made = list(tabulate.transfer_blocks_by_class(SOFT, track, -3, receivers))
     assert list(map(len, made)) == [tabulate.VALUES_AT_ONCE, 41 - tabulate.VALUES_AT_ONCE]
     tables = {receiver: table for batch in made for receiver, table in batch.items()}
     for table in tables.values():
-        assert table.shared is tables[8.5].shared
-    alone = transfer_blocks(SOFT, track, -3, [15.5])[15.5]
-    np.testing.assert_array_equal(alone.transfer, tables[15.5].transfer)
+        assert table.shared is tables[receivers[0]].shared
+    alone = transfer_blocks(SOFT, track, -3, [Receiver(15.5)])[Receiver(15.5)]
+    np.testing.assert_array_equal(alone.transfer, tables[receivers[-1]].transfer)
     for name in ("frequency", "wavenumber", "compliance", "pole"):
-        np.testing.assert_array_equal(getattr(alone.shared, name), getattr(tables[15.5].shared, name))
+        shared = getattr(tables[receivers[-1]].shared, name)
+        np.testing.assert_array_equal(getattr(alone.shared, name), shared)
 
 
 def test_a_receiver_does_not_depend_on_the_others(functions, track):
-    alone = transfer_blocks(SOFT, track, 1, [5.0])[5.0]
-    together = functions[5.0].blocks[1]
+    alone = transfer_blocks(SOFT, track, 1, [Receiver(5.0)])[Receiver(5.0)]
+    together = functions[Receiver(5.0)].blocks[1]
     np.testing.assert_array_equal(alone.transfer, together.transfer)
     np.testing.assert_array_equal(alone.shared.frequency, together.shared.frequency)
     for name in ("level", "square_level", "reference_slowness", "interpolation_error"):
         assert getattr(alone, name) == getattr(together, name)
-    assert [distance_class(each) for each in ("rail", 0.0, 8.0, 8.1, 100.0)] == [8.0, 8.0, 8.0, 16.0, 128.0]
+    classes = [distance_class(receiver) for receiver in (RAIL, *map(Receiver, (0.0, 8.0, 8.1, 100.0)))]
+    assert classes == [8.0, 8.0, 8.0, 16.0, 128.0]
 
 
 def test_certificates(functions):
@@ -127,13 +131,13 @@ def test_the_error_that_a_table_states_is_that_of_what_is_read_from_it(receiver,
         places = blocks.halfway(block, table.level, 5)
         f = blocks.frequency(table.level + 1, places)
         beta, found = functions[receiver].at(block, f)
-        offset = 0.0 if receiver == "rail" else receiver
+        offset = receiver.offset or 0.0
         evaluate = Evaluation(GroundFits(SOFT, block, 1e-10), track, [offset], 1e-4)
         values = np.array(
             [evaluate(table.level + 1, int(k), row) for k, row in zip(places, beta, strict=True)]
         )
         direct = values[:, evaluate.row(receiver)]
-        under = values[:, evaluate.row("rail" if receiver == "rail" else 0.0)]
+        under = values[:, evaluate.row(RAIL if receiver.on_rail else CENTRE)]
         size = np.maximum(np.abs(direct), 1e-8 * np.abs(under).max(axis=1, keepdims=True))
         error = (np.abs(found - direct) / size).max()
         assert error == pytest.approx(table.interpolation_error, rel=1e-3, abs=1e-11)
@@ -161,6 +165,6 @@ def test_quadrature_takes_over_where_the_fit_fails(track, monkeypatch):
 
 
 def test_static_below_the_tables(functions):
-    function = TransferFunction(functions["rail"].blocks.values())
+    function = TransferFunction(functions[RAIL].blocks.values())
     assert function.lowest == pytest.approx(10 ** (0.05 - 1.5))
     assert function.highest == pytest.approx(10**1.55)
