@@ -1,16 +1,20 @@
 """Warnings about input that is legal but unusual."""
 
 import warnings
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from railvib.errors import InputError, PlausibilityWarning
+from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
+from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
 from railvib.soil.surface_waves import surface_wave_speeds
 from railvib.transfer.critical_speed import critical_speed
+from railvib.transfer.passivity import nonpassive_ranges
 from railvib.transfer.tabulate import LOOSEST, TIGHTEST
 
 HIGHEST = 100.0
@@ -20,6 +24,9 @@ _SURELY_SLOW = 0.4
 """Share of the lowest bound of the ground's wave speeds below which a train outruns nothing."""
 _SLOWER_THAN_WAVES = 0.9
 """The same for the ground's own waves: the mass of a track slows down what they carry together, not them."""
+
+_MOSTLY_EXTRAPOLATED = 0.5
+"""Share of a band's unevenness from outside the form's range above which that is said."""
 
 
 @lru_cache(maxsize=256)
@@ -80,3 +87,72 @@ def check_speed(ground: Ground, track: Track, speed: float) -> None:
                 PlausibilityWarning,
                 stacklevel=3,
             )
+
+
+def check_contact(ground: Ground, track: Track, lowest: float, highest: float) -> None:
+    """Warn where the contact of track and ground is not passive: Im σ_R(0) > 0 for a standing load.
+
+    Parameters
+    ----------
+    ground, track
+        The ground, and the track on it.
+    lowest, highest
+        Range of the frequencies asked for, Hz.
+
+    Warns
+    -----
+    PlausibilityWarning
+        With the ranges of frequency, and what helps.
+    """
+    ranges = nonpassive_ranges(ground, track, lowest, highest)
+    if ranges:
+        spans = " and ".join(_range_label(f"{low:.0f}", f"{high:.0f}") for low, high in ranges)
+        warnings.warn(
+            f"the contact of track and ground is not passive at {spans} Hz (Im of the rail's receptance is "
+            "positive): the load is uniform over a contact width that exceeds half a wavelength "
+            "there, and levels from there on are not to be trusted; a narrower contact_width_m or a lower "
+            "maximum frequency avoids it",
+            PlausibilityWarning,
+            stacklevel=3,
+        )
+
+
+def check_unevenness(unevenness: Unevenness, midband: np.ndarray, speeds: Sequence[float]) -> None:
+    """Warn where half of a band's unevenness or more lies outside the wavelengths of its form.
+
+    Parameters
+    ----------
+    unevenness
+        The unevenness.
+    midband
+        One-third octaves, exact midband frequencies, Hz.
+    speeds
+        m/s. The slowest and the fastest decide: they reach the shortest and the longest wavelengths.
+
+    Warns
+    -----
+    PlausibilityWarning
+        With the bands.
+    """
+    speed = np.array(sorted({min(speeds), max(speeds)}))[:, None]
+    lower, upper = (2.0 * np.pi * edge / speed for edge in third_octaves.edges(midband))
+    extrapolated = (unevenness.extrapolated_share(lower, upper) >= _MOSTLY_EXTRAPOLATED).any(axis=0)
+    if extrapolated.any():
+        label = [third_octaves.nominal_label(float(band)) for band in midband]
+        change = np.flatnonzero(np.diff(np.concatenate([[False], extrapolated, [False]])))
+        spans = [
+            _range_label(label[first], label[end - 1])
+            for first, end in zip(change[::2], change[1::2], strict=True)
+        ]
+        shortest, longest = unevenness.validity
+        warnings.warn(
+            f"{extrapolated.sum()} of {midband.size} bands ({' and '.join(spans)} Hz) rest on unevenness "
+            f"that is extrapolated beyond its wavelengths, {shortest:g} to {longest:g} m, at "
+            f"{' or '.join(f'{KMH * v:.4g}' for v in speed[:, 0])} km/h: see extrapolated_share",
+            PlausibilityWarning,
+            stacklevel=3,
+        )
+
+
+def _range_label(low: str, high: str) -> str:
+    return low if low == high else f"{low} to {high}"

@@ -18,7 +18,7 @@ from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
-from railvib.plausibility import check_damping, check_speed, check_tolerance
+from railvib.plausibility import check_contact, check_damping, check_speed, check_tolerance
 from railvib.psd.spectra import Spectra
 from railvib.stages.graph import case_spectra, evaluate
 from railvib.stages.transfer_table import TransferTable
@@ -86,6 +86,7 @@ def rail_receptance(
         raise InputError(f"distance = {distance!r} m: must be finite")
     check_tolerance(tolerance)
     check_damping(ground)
+    check_contact(ground, track, float(f.min(initial=np.inf)), float(f.max(initial=0.0)))
     if speed == 0.0:
         block_indices = sorted({int(block) for block in blocks.assigned(f.ravel(), range(blocks.LOWEST, 20))})
     else:
@@ -163,13 +164,16 @@ def predict(
     check_tolerance(tolerance)
     check_damping(ground)
     check_speed(ground, track, speed)
+    midband = third_octaves.midbands(minimum_frequency, maximum_frequency)
+    lower, upper = third_octaves.edges(midband)
+    check_contact(ground, track, float(lower[0]), float(upper[-1]))
     case: dict[str, Any] = {
         "ground": ground,
         "track": track,
         "train": train,
         "unevenness": unevenness,
         "speed": float(speed),
-        "band": tuple(third_octaves.midbands(minimum_frequency, maximum_frequency).tolist()),
+        "band": tuple(midband.tolist()),
         "receivers": receivers,
         "averaging": (averaging,),
         "tolerance": tolerance,

@@ -1,12 +1,16 @@
 """What is implausible in a study: refused before anything runs, or said once."""
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from railvib.errors import InputError, PlausibilityWarning
+from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
+from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
-from railvib.plausibility import check_damping, check_speed
+from railvib.plausibility import check_contact, check_damping, check_speed, check_unevenness
 from sweep.study import Resolved
 
 
@@ -27,15 +31,33 @@ def check_plausibility(resolved: Resolved) -> None:
 
 
 def cautions(resolved: Resolved) -> list[str]:
-    """Return where the fastest train outruns waves in ground and track; this takes compiled kernels."""
-    fastest = max(resolved.study.sweep.speed_kmh) / KMH
-    messages = []
+    """Return what is implausible in a study's input; this takes compiled kernels.
+
+    Where the fastest train outruns waves in ground and track, where the contact of track and ground is not
+    passive, and which bands rest on extrapolated unevenness.
+    """
+    speeds = [speed / KMH for speed in resolved.study.sweep.speed_kmh]
+    midband = third_octaves.midbands(resolved.study.frequency.minimum_hz, resolved.study.frequency.maximum_hz)
+    lower, upper = third_octaves.edges(midband)
+    messages: list[str] = []
     for name, ground in resolved.objects["soil"].items():
         assert isinstance(ground, Ground)
         for track_name, track in resolved.objects["track"].items():
             assert isinstance(track, Track)
-            with warnings.catch_warnings(record=True) as caught:
-                warnings.simplefilter("always", PlausibilityWarning)
-                check_speed(ground, track, fastest)
-            messages += [f"{name}, {track_name}: {warning.message}" for warning in caught]
+            with _collected(f"{name}, {track_name}", messages):
+                check_speed(ground, track, max(speeds))
+                check_contact(ground, track, float(lower[0]), float(upper[-1]))
+    for name, unevenness in resolved.objects["unevenness"].items():
+        assert isinstance(unevenness, Unevenness)
+        with _collected(name, messages):
+            check_unevenness(unevenness, midband, speeds)
     return messages
+
+
+@contextmanager
+def _collected(name: str, messages: list[str]) -> Iterator[None]:
+    """Append what is warned of to the messages, under a name."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", PlausibilityWarning)
+        yield
+    messages += [f"{name}: {warning.message}" for warning in caught]

@@ -131,13 +131,13 @@ def describe(request: Request, planned: Estimate, directory: Path, workers: int 
     """Return the plan in plain lines: cases, tasks, what is there already, bytes, memory and time."""
     axes = request.resolved.study.sweep
     counts = [
-        f"{len(values)} {name}"
-        for name, values in (
-            ("soils", axes.soil),
-            ("tracks", axes.track),
-            ("trains", axes.train),
-            ("unevennesses", axes.unevenness),
-            ("speeds", axes.speed_kmh),
+        f"{number} {one if number == 1 else several}"
+        for one, several, number in (
+            ("soil", "soils", len(set(axes.soil))),
+            ("track", "tracks", len(set(axes.track))),
+            ("train", "trains", len(set(axes.train))),
+            ("unevenness spectrum", "unevenness spectra", len(set(axes.unevenness))),
+            ("speed", "speeds", len(set(axes.speed_kmh))),
         )
     ]
     plan = request.plan

@@ -97,10 +97,17 @@ def test_status_and_plan_of_a_finished_run(computed):
 def test_plan_writes_nothing(here):
     result = invoke("plan", "small.toml")
     assert result.exit_code == 0
-    assert "cases       1 (1 soils" in result.output
+    assert "cases       1 (1 soil x 1 track" in result.output
     assert "2 spectra" in result.output
     assert "to write" in result.output
     assert os.listdir(here) == ["small.toml"]
+
+
+def test_plan_counts_what_differs_and_says_what_is_implausible(here):
+    changed(here, ("speed_kmh = [30]", "speed_kmh = [30, 30.0, 30]"))
+    result = invoke("plan", "small.toml")
+    assert "cases       1 (1 soil x 1 track x 1 train x 1 unevenness spectrum x 1 speed)" in result.output
+    assert "warning: german-low: 4 of 4 bands (4 to 8 Hz) rest on unevenness" in result.output
 
 
 @pytest.mark.parametrize(

@@ -143,12 +143,31 @@ def test_estimates_are_near_what_is_stored(computed):
     assert stored / 3.0 < estimated < 3.0 * stored
 
 
+def test_contact_that_is_not_passive_is_told():
+    data = tomllib.loads(STUDY)
+    data["sweep"]["soil"] = ["horstwalde"]
+    data["frequency"]["maximum_hz"] = 315.0
+    messages = [text for text in cautions.cautions(study.resolve(data)) if "not passive" in text]
+    assert len(messages) == 1
+    assert re.match("horstwalde, ballasted-paper: .* at 248 to 309 Hz", messages[0])
+
+
+def test_extrapolated_unevenness_is_told():
+    data = tomllib.loads(STUDY)
+    data["frequency"] |= {"minimum_hz": 1.0, "maximum_hz": 100.0}
+    data["sweep"]["speed_kmh"] = [80, 150, 100]
+    (message,) = cautions.cautions(study.resolve(data))
+    # 80 km/h over 3 m is 7.4 Hz; 150 km/h over 150 m is 0.28 Hz.
+    assert re.match(r"german-low: 12 of 21 bands \(8 to 100 Hz\) .*, 3 to 150 m, at 80 or 150 km/h", message)
+
+
 def test_a_train_faster_than_the_waves_is_told():
     data = tomllib.loads(STUDY)
     data["sweep"]["soil"] = ["greby"]
     data["sweep"]["speed_kmh"] = [100, 600]
     data["frequency"]["maximum_hz"] = 80.0
-    found = cautions.cautions(study.resolve(data))
-    assert found
-    for each in found:
+    *waves, unevenness = cautions.cautions(study.resolve(data))
+    assert "extrapolated" in unevenness
+    assert waves
+    for each in waves:
         assert re.match("greby, ballasted-paper: .*600 km/h.*exceeds", each)
