@@ -74,7 +74,7 @@ def rail_receptance(
 
     Notes
     -----
-    Eq. 14 and 19 of the paper; CONVENTIONS section 3. The tables of a ground and a track are kept for the
+    Eq. 14 and 19 of the paper; docs/conventions.md. The tables of a ground and a track are kept for the
     next call.
     """
     f, d = np.broadcast_arrays(np.asarray(frequency, float), np.asarray(distance, float))

@@ -61,9 +61,10 @@ def line_compliance(
     InputError
         If the width or a frequency is not positive, or a layer has next to no damping.
 
-    Notes ----- CONVENTIONS section 2; the poles of a rational fit of Q33, and direct quadrature where it
-    fails. The last fits are remembered. Within millimetres of the strip's edge the error may reach 1e-5 of
-    the value.
+    Notes
+    -----
+    See docs/conventions.md; the poles of a rational fit of Q33, and direct quadrature where it fails. The
+    last fits are remembered. Within millimetres of the strip's edge the error may reach 1e-5 of the value.
     """
     beta, y, f = np.broadcast_arrays(
         np.asarray(wavenumber, float), np.asarray(offset, float), np.asarray(frequency, float)

@@ -113,7 +113,7 @@ def strip_compliance_by_quadrature(
 
     Notes
     -----
-    CONVENTIONS section 2: C = (1/2π) ∫ Q33(√(β²+γ²)) sin(γb)/(γb) e^{iγy} dγ.
+    docs/conventions.md: C = (1/2π) ∫ Q33(√(β²+γ²)) sin(γb)/(γb) e^{iγy} dγ.
     """
     y = np.abs(np.atleast_1d(np.asarray(offsets, float)))
     b = half_width

@@ -1,7 +1,7 @@
 """Compliance of the ground under a strip load, in closed form from the poles of its flexibility.
 
-With Q33(ρ) ≈ d + Σ_j a_j/(ρ² − z_j), the Fourier integral over γ of CONVENTIONS (docs/conventions.md, section
-2) is elementary. Symbols: beta wavenumber along the track, b half the contact width, y distance from the
+With Q33(ρ) ≈ d + Σ_j a_j/(ρ² − z_j), the Fourier integral over γ in docs/conventions.md is elementary.
+Symbols: beta wavenumber along the track, b half the contact width, y distance from the
 centre line, k = √(β² − z) with Re k > 0. Per pole
 
     y ≥ b:  e^{−k(y−b)} (1 − e^{−2kb})/(4 b k²)        y < b:  [2 − e^{−k(b+y)} − e^{−k(b−y)}]/(4 b k²)

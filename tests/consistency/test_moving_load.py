@@ -25,7 +25,7 @@ def half_space(row, loss_factor):
 
 
 def closed_form(layer: Layer, x: float, y: float, speed: float) -> float:
-    """CONVENTIONS section 7.6, at x ahead of the load and y beside its path."""
+    """Return the displacement per force at x ahead of the load and y beside its path, m/N."""
     r = math.hypot(x, y)
     s = speed * abs(y) / r
     q = (s / layer.shear_speed) ** 2

@@ -21,9 +21,7 @@ SLAB = {
 
 
 def assembled(track, beta, omega, compliance):
-    """Rail, sleepers or slab, the layers' interfaces and the ground, as one symmetric dynamic stiffness
-    (CONVENTIONS 3).
-    """
+    """Return rail, sleepers or slab, the layers' interfaces and the ground as one dynamic stiffness."""
     sign = np.sign(omega)
     layers = list(track.bed)
     size = 2 + len(layers)
