@@ -11,9 +11,6 @@ from railvib.soil.fits import GroundFits
 from railvib.transfer.evaluation import Model
 from railvib.transfer.nodes import Nodes
 
-_COMPLIANCE = "compliance"
-"""Key of C(β, 0) among the values of a frequency, which have receivers as keys."""
-
 
 class Samples:
     """Direct values on the nodes of a class.
@@ -42,11 +39,12 @@ class Samples:
         self.tolerance = tolerance
         self.failed: set[float] = set()
         self._model = model
-        self._known: dict[tuple[int, int], dict[Receiver | str, np.ndarray]] = {}
-        self._rows: dict[tuple[int, bytes], list[dict[Receiver | str, np.ndarray]]] = {}
+        self._known: dict[tuple[int, int], dict[Receiver, np.ndarray]] = {}
+        self._compliance: dict[tuple[int, int], np.ndarray] = {}
+        self._rows: dict[tuple[int, bytes], list[dict[Receiver, np.ndarray]]] = {}
 
     def evaluate(self, level: int, ks: np.ndarray, receivers: Sequence[Receiver]) -> None:
-        """Compute the missing values of receivers at frequencies of a level, and of the ground at 0."""
+        """Compute what is missing of receivers, and of the centre line, at frequencies of a level."""
         missing_at: dict[tuple[Receiver, ...], list[int]] = {}
         for k in map(int, ks):
             known = self._known.setdefault(_coarsest(level, k), {})
@@ -63,10 +61,10 @@ class Samples:
                 known = self._known[_coarsest(level, k)]
                 known.update({receiver: values[row] for receiver, row in rows})
                 if evaluate.compliance is not None:
-                    known[_COMPLIANCE] = evaluate.compliance
+                    self._compliance[_coarsest(level, k)] = evaluate.compliance
             self.failed |= evaluate.failed
 
-    def at(self, level: int, ks: np.ndarray, receiver: Receiver | str) -> list[np.ndarray]:
+    def at(self, level: int, ks: np.ndarray, receiver: Receiver) -> list[np.ndarray]:
         """Return the values of a receiver at frequencies of a level, each on the nodes."""
         key = level, ks.tobytes()
         if key not in self._rows:
@@ -75,8 +73,7 @@ class Samples:
 
     def compliance(self, level: int, ks: np.ndarray) -> list[np.ndarray] | None:
         """Return C(β, 0) at frequencies of a level, each on the nodes; None if the model does not know it."""
-        known = any(_COMPLIANCE in values for values in self._known.values())
-        return self.at(level, ks, _COMPLIANCE) if known else None
+        return [self._compliance[_coarsest(level, k)] for k in map(int, ks)] if self._compliance else None
 
 
 def _coarsest(level: int, k: int) -> tuple[int, int]:
