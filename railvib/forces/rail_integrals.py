@@ -7,13 +7,12 @@ where ω − βv changes sign (and with it the damping) as a panel's edge. A pan
 response is halved. Beyond the tables the rail on its pads carries the load alone.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from railvib.forces._kernels.rail_integrals import integrate_panels
 from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics.wavenumber_panels import NODE, unresolved
+from railvib.numerics.refinement import Panels, halve
+from railvib.numerics.wavenumber_panels import unresolved
 from railvib.parameters.track import Track
 from railvib.transfer.track_response import track_response
 from railvib.transfer.transfer_function import TransferFunction
@@ -72,7 +71,7 @@ def rail_integrals(
         frequency = np.maximum(frequency, rail.lowest)
     # The response to a standing load is even in β: its panels lie over β > 0 and count twice.
     sides = 2.0 if speed == 0.0 else 1.0
-    panels = _resolved(rail, track, speed, frequency, tolerance)
+    panels, value = _resolve(rail, track, speed, frequency, tolerance)
     order = np.argsort(panels.owner, kind="stable")
     cosine = np.zeros((frequency.size, 2, distance.size))
     sine = np.zeros((frequency.size, 2, distance.size))
@@ -80,64 +79,44 @@ def rail_integrals(
         np.searchsorted(panels.owner[order], np.arange(frequency.size + 1)),
         order,
         panels.centre[order],
-        panels.half[order],
-        panels.value.view(float),
+        0.5 * panels.width[order],
+        value.view(float),
         distance,
         cosine,
         sine,
     )
     even = sides * (cosine[:, 0] + 1j * cosine[:, 1])
     odd = sine[:, 0] + 1j * sine[:, 1] if speed != 0.0 else np.zeros_like(even)
-    return even, odd, panels.value.size
+    return even, odd, value.size
 
 
-class _Panels(NamedTuple):
-    """Panels of all frequencies, (panels,), and the response at their nodes, (panels, order)."""
-
-    owner: np.ndarray
-    """Which of the frequencies."""
-    centre: np.ndarray
-    half: np.ndarray
-    value: np.ndarray
-
-
-def _resolved(
+def _resolve(
     rail: TransferFunction, track: Track, speed: float, frequency: np.ndarray, tolerance: float
-) -> _Panels:
-    """Return panels that resolve the response."""
-    owner, low, high = _first_panels(rail, frequency, speed)
-    centre, half = 0.5 * (high + low), 0.5 * (high - low)
+) -> tuple[Panels, np.ndarray]:
+    """Return panels that resolve the response, owned by frequencies, and the response at their nodes."""
     peak = np.zeros(frequency.size)
-    parts: list[_Panels] = []
-    for halving in range(_MOST_HALVINGS + 1):
-        beta = centre[:, None] + half[:, None] * NODE
-        seen = 2.0 * np.pi * frequency[owner][:, None] - beta * speed
-        tail = np.abs(centre) > rail.reach
+
+    def evaluate(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
+        beta = panels.nodes
+        seen = 2.0 * np.pi * frequency[panels.owner][:, None] - beta * speed
+        tail = np.abs(panels.centre) > rail.reach
         if tail.any():
             value = np.empty(beta.shape, complex)
             value[~tail] = rail.response(beta[~tail], seen[~tail], into_halo=speed == 0.0)
             value[tail], _force = track_response(track, beta[tail], seen[tail], 0.0)
         else:
             value = rail.response(beta, seen, into_halo=speed == 0.0)
-        if halving == 0:
-            np.maximum.at(peak, owner, np.sqrt((np.square(value.real) + np.square(value.imag)).max(axis=1)))
-        bad = unresolved(value)[:, 0] * 2.0 * half > _RESOLVED * tolerance * peak[owner]
-        bad &= halving < _MOST_HALVINGS
-        parts.append(_Panels(owner[~bad], centre[~bad], half[~bad], value[~bad]))
-        if not bad.any():
-            break
-        # Both halves, one after the other: what depends on the width alone then serves both.
-        owner, half = np.repeat(owner[bad], 2), np.repeat(0.5 * half[bad], 2)
-        centre = np.repeat(centre[bad], 2)
-        centre[::2] -= half[::2]
-        centre[1::2] += half[1::2]
-    return _Panels(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+        if not peak.any():
+            size = np.sqrt((np.square(value.real) + np.square(value.imag)).max(axis=1))
+            np.maximum.at(peak, panels.owner, size)
+        error = unresolved(value)[:, 0] * panels.width
+        return value, error > _RESOLVED * tolerance * peak[panels.owner]
+
+    return halve(_first_panels(rail, frequency, speed), evaluate, _MOST_HALVINGS)
 
 
-def _first_panels(
-    rail: TransferFunction, frequency: np.ndarray, speed: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the first panels of all frequencies: which frequency, and the lower and the upper edge.
+def _first_panels(rail: TransferFunction, frequency: np.ndarray, speed: float) -> Panels:
+    """Return the first panels of all frequencies.
 
     Edges are the tables' slownesses as a moving load sees them, powers of two from there to the largest β,
     and the tail's. Of the tables' edges every third is taken: their panels resolve the ground at some
@@ -147,7 +126,7 @@ def _first_panels(
     which = blocks.assigned(frequency, rail.blocks)
     tail = largest * _TAIL_RATIO ** np.arange(1, _TAIL_PANELS + 1)
     halves = largest * 0.5 ** np.arange(1, int(np.log2(largest / _NARROWEST)) + 1)
-    found = []
+    first = []
     for block in np.unique(which):
         nodes = rail.blocks[int(block)].nodes
         travelling = nodes.edge[(nodes.edge > 0.0) & (nodes.edge <= 1.0)]
@@ -170,9 +149,9 @@ def _first_panels(
         distinct[:, 1:] &= edge[:, 1:] > edge[:, :-1] + 1e-9 * largest
         row, edge = np.nonzero(distinct)[0], edge[distinct]
         inner = row[1:] == row[:-1]
-        found.append((np.flatnonzero(which == block)[row[1:][inner]], edge[:-1][inner], edge[1:][inner]))
-    owner, low, high = (np.concatenate(each) for each in zip(*found, strict=True))
-    return owner, low, high
+        first.append((np.flatnonzero(which == block)[row[1:][inner]], edge[:-1][inner], edge[1:][inner]))
+    owner, low, high = (np.concatenate(columns) for columns in zip(*first, strict=True))
+    return Panels(low, high - low, owner)
 
 
 def _within(value: np.ndarray, limit: float) -> np.ndarray:

@@ -6,7 +6,7 @@ in the frame that moves with the load, d ahead of it. The integrand is tabulated
 and integrated by `railvib.forces.rail_integrals`; the receptances are tabulated in turn, over frequency.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -17,16 +17,16 @@ from railvib import cost
 from railvib.forces.rail_integrals import rail_integrals
 from railvib.forces.smooth_receptance import Load, Reduced, smoothest
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.refinement import search_level, search_levels
 from railvib.parameters.track import Track
 from railvib.transfer.nodes import largest_wavenumber
 from railvib.transfer.transfer_function import TransferFunction
 
-_MOST_LEVELS = 6
 _CHECKS = 9
 _STORED_CHECKS = 25
 """Half-way between stored frequencies, where interpolation with and without fast phases is compared."""
-_DIRECT_SHARE = 0.07
-"""Of the tolerance, what interpolation without fast phases may take: of 0.1 for all."""
+_STORED_SHARE, _DIRECT_SHARE = 0.1, 0.07
+"""Shares of the tolerance that all interpolation may take, and interpolation without fast phases."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def tabulated_receptances(
     track: Track,
     speed: float,
     distances: npt.ArrayLike,
-    which: Iterable[int],
+    block_range: Iterable[int],
     tolerance: float = 1e-4,
     refinement: int = 1,
 ) -> Receptances:
@@ -96,67 +96,88 @@ def tabulated_receptances(
         upper edge and halo.
     track, speed, distances
         As in `receptances`.
-    which
+    block_range
         Indices of the blocks, ascending, see `railvib.numerics.frequency_blocks`. No block depends on the
-        others: what it has in common with their halos is computed once.
+        others; frequencies in the halos of several blocks are computed once.
     tolerance
         Error allowed, relative to the receptance at the load.
     refinement
         For studies of convergence: 2 halves the steps in frequency that the tolerance asks for.
     """
     d = np.unique(np.asarray(distances, float))
-    load = Load(rail, track, speed, np.append(d, 0.0))
-    known: dict[float, np.ndarray] = {}
+    samples = _Samples(Load(rail, track, speed, np.append(d, 0.0)), tolerance)
+    beyond = int(np.log2(refinement))
+    tables: dict[int, _Block] = {}
+    for resolved in search_levels(dict.fromkeys(block_range, 0), samples.tabulate, beyond=beyond):
+        for block, (level, (reduced, error)) in resolved.items():
+            tables[block] = _stored(
+                reduced, samples.tabulated(block, level), error, tolerance, level + beyond
+            )
+    ordered = [tables[block] for block in sorted(tables)]
+    return Receptances(
+        frequency=np.concatenate([table.frequency for table in ordered]),
+        distance=d,
+        receptance=np.concatenate([table.receptance[:, :-1] for table in ordered]),
+        block=np.array([table.block for table in ordered]),
+        level=np.array([table.level for table in ordered]),
+        interpolation_error=np.array([table.error for table in ordered]),
+        speed=speed,
+        inside=np.concatenate([blocks.inside(table.block, table.level) for table in ordered]),
+    )
 
-    def rows(*places: tuple[int, np.ndarray]) -> list[np.ndarray]:
-        """Return receptances at frequencies that are given by their level and indices."""
-        at = {
+
+class _Samples:
+    """Receptances at canonical frequencies, each computed once.
+
+    Blocks are taken together, level by level: a few wavenumbers take as long as many.
+    """
+
+    def __init__(self, load: Load, tolerance: float) -> None:
+        self._load = load
+        self._tolerance = tolerance
+        self._known: dict[float, np.ndarray] = {}
+
+    def tabulate(
+        self, level: int, pending: Sequence[int]
+    ) -> Callable[[int, bool], tuple[tuple[Reduced, float], bool]]:
+        """Compute receptances at a level and half-way, and return the check of a block."""
+        good_enough = _DIRECT_SHARE * self._tolerance
+        halfway = {block: blocks.halfway(block, level, _CHECKS) for block in pending}
+        self._compute(
+            *((level, blocks.indices(block, level)) for block in pending),
+            *((level + 1, places) for places in halfway.values()),
+        )
+
+        def check(block: int, _required: bool) -> tuple[tuple[Reduced, float], bool]:
+            between = blocks.frequency(level + 1, halfway[block])
+            direct = self._at(level + 1, halfway[block])
+            reduced, error = smoothest(
+                self._load, block, level, self.tabulated(block, level), between, direct, good_enough
+            )
+            return (reduced, error), error <= good_enough
+
+        return check
+
+    def tabulated(self, block: int, level: int) -> np.ndarray:
+        """Return the receptances at the frequencies of a block and level, (frequencies, distances)."""
+        return self._at(level, blocks.indices(block, level))
+
+    def _compute(self, *places: tuple[int, np.ndarray]) -> None:
+        """Compute what is missing at frequencies that are given by their level and indices."""
+        frequency = {
             index / 2.0**level: f
             for level, indices in places
             for index, f in zip(indices.tolist(), blocks.frequency(level, indices).tolist(), strict=True)
         }
-        new = [place for place in at if place not in known]
-        if new:
-            frequency = np.array([at[place] for place in new])
-            computed = receptances(rail, track, speed, load.distance, frequency, tolerance)
-            known.update(zip(new, computed, strict=True))
-        return [np.array([known[index / 2.0**level] for index in indices]) for level, indices in places]
+        missing = [place for place in frequency if place not in self._known]
+        if missing:
+            load = self._load
+            at = np.array([frequency[place] for place in missing])
+            values = receptances(load.rail, load.track, load.speed, load.distance, at, self._tolerance)
+            self._known.update(zip(missing, values, strict=True))
 
-    beyond = int(np.log2(refinement))
-    ordered = pending = list(which)
-    passed: dict[int, int] = {}
-    found: dict[int, _Block] = {}
-    # Level by level, all blocks that need it together: a few wavenumbers take as long as many.
-    for level in range(_MOST_LEVELS + beyond + 1):
-        halfway = [blocks.halfway(block, level, _CHECKS) for block in pending]
-        own = [blocks.indices(block, level) for block in pending]
-        computed = rows(*((level, each) for each in own), *((level + 1, each) for each in halfway))
-        waiting = []
-        for i, block in enumerate(pending):
-            tabulated, direct = computed[i], computed[len(pending) + i]
-            between = blocks.frequency(level + 1, halfway[i])
-            enough = _DIRECT_SHARE * tolerance
-            reduced, error = smoothest(load, block, level, tabulated, between, direct, enough)
-            if error <= enough or level >= _MOST_LEVELS:
-                passed.setdefault(block, level)
-            if block in passed and level >= passed[block] + beyond:
-                found[block] = _stored(reduced, tabulated, error, tolerance, level + beyond)
-            else:
-                waiting.append(block)
-        pending = waiting
-        if not pending:
-            break
-    made = [found[block] for block in ordered]
-    return Receptances(
-        frequency=np.concatenate([each.frequency for each in made]),
-        distance=d,
-        receptance=np.concatenate([each.receptance[:, :-1] for each in made]),
-        block=np.array([each.block for each in made]),
-        level=np.array([each.level for each in made]),
-        interpolation_error=np.array([each.error for each in made]),
-        speed=speed,
-        inside=np.concatenate([blocks.inside(each.block, each.level) for each in made]),
-    )
+    def _at(self, level: int, indices: np.ndarray) -> np.ndarray:
+        return np.array([self._known[index / 2.0**level] for index in indices.tolist()])
 
 
 class _Block(NamedTuple):
@@ -169,18 +190,21 @@ class _Block(NamedTuple):
     receptance: np.ndarray
 
 
-def _stored(found: Reduced, tabulated: np.ndarray, error: float, tolerance: float, least: int) -> _Block:
+def _stored(reduced: Reduced, tabulated: np.ndarray, error: float, tolerance: float, least: int) -> _Block:
     """Return the block to be stored: at frequencies so near each other that no phase need be taken out."""
-    block = found.block
-    for level in range(least, max(least, _MOST_LEVELS) + 1):
+    block = reduced.block
+
+    def check(level: int, _required: bool) -> tuple[_Block, bool]:
         frequency = blocks.frequency(level, blocks.indices(block, level))
-        receptance = tabulated if level == found.level else found.at(frequency)
+        receptance = tabulated if level == reduced.level else reduced.at(frequency)
         between = blocks.frequency(level + 1, blocks.halfway(block, level, _STORED_CHECKS))
         interpolated = blocks.interpolated(block, level, between, receptance)
-        further = _largest_error(interpolated, found.at(between))
-        if further <= (0.1 - _DIRECT_SHARE) * tolerance:
-            break
-    return _Block(block, level, error + further, frequency, receptance)
+        further = _largest_error(interpolated, reduced.at(between))
+        table = _Block(block, level, error + further, frequency, receptance)
+        return table, further <= (_STORED_SHARE - _DIRECT_SHARE) * tolerance
+
+    _level, table = search_level(least, check)
+    return table
 
 
 def _largest_error(value: np.ndarray, exact: np.ndarray) -> float:

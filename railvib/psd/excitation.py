@@ -14,7 +14,8 @@ import numpy as np
 
 from railvib.forces.receptance import Receptances
 from railvib.forces.wheel_rail import arrivals, axle_forces
-from railvib.numerics.wavenumber_panels import ORDER, TO_POWERS, nodes_between, to_legendre
+from railvib.numerics.refinement import Panels, divide, halve
+from railvib.numerics.wavenumber_panels import ORDER, TO_POWERS, to_legendre
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
 
@@ -43,12 +44,11 @@ class Excitation:
     wavenumbers: tuple[float, float] = (0.0, np.inf)
     """Lowest and highest β of the unevenness, rad/m: edges of panels, where they are inside."""
 
-    def turned(self, phase: np.ndarray) -> np.ndarray:
+    def amplitude_parts(self, phase: np.ndarray) -> np.ndarray:
         """Return phases (lines, axles) times q_l, summed over axles: (2, 2, lines, terms).
 
-        The first index tells the real from the imaginary part of the phase, the second those of q_l, which is
-        given in powers of x from −1 to 1 over its panels. From these follow A = Σ_l phase_l q_l at β, and
-        at −β.
+        The first index is for real and imaginary part of the phase, the second for those of q_l, which is in
+        powers of x from −1 to 1 over its panels. A = Σ_l phase_l q_l at β and at −β follows from them.
         """
         return np.asarray(np.stack([phase.real, phase.imag])[:, None] @ self._powers)
 
@@ -83,7 +83,7 @@ def excitation(
     tolerance
         Relative error allowed.
     refinement
-        Into how many parts to divide the panels that resolve it, for studies of convergence.
+        For studies of convergence: number of parts into which the panels that resolve it are divided.
     """
     per_hz = 2.0 * np.pi / speed
     # The amplitudes go on beyond the wavelengths at which the unevenness is cut off, smoothly.
@@ -97,10 +97,10 @@ def excitation(
 
     shortest, longest = unevenness.cut_offs
     ends = (2.0 * np.pi / longest, 2.0 * np.pi / shortest if shortest > 0.0 else np.inf)
-    return resolved(amplitude, maximum_frequency * per_hz, train.axle_positions, ends, tolerance, refinement)
+    return resolve(amplitude, maximum_frequency * per_hz, train.axle_positions, ends, tolerance, refinement)
 
 
-def resolved(
+def resolve(
     amplitude: Callable[[np.ndarray], np.ndarray],
     largest: float,
     axle_position: np.ndarray,
@@ -121,43 +121,27 @@ def resolved(
     tolerance
         Relative error allowed.
     refinement
-        Into how many parts to divide the panels found.
+        Number of parts into which the panels that resolve it are divided.
     """
     first = np.linspace(0.0, largest, _FIRST_PANELS + 1)
-    cuts = [each for each in wavenumbers if 0.0 < each < largest]
-    edge = np.unique(np.concatenate([first, cuts]))
-    pending = np.stack([edge[:-1], edge[1:]], axis=1)
-    low: list[np.ndarray] = []
-    found: list[np.ndarray] = []
-    for halving in range(_MOST_HALVINGS + 1):
-        series = _series(amplitude, pending)
-        tail = np.abs(series[..., -2:]).max(axis=(0, 2))
-        bad = tail > _TAIL * tolerance * np.abs(series).sum(axis=2).max(axis=0)
-        bad &= halving < _MOST_HALVINGS
-        low.append(pending[~bad, 0])
-        found.append(series[:, ~bad])
-        if not bad.any():
-            break
-        pending = _divided(pending[bad], 2)
-    starts = np.concatenate(low)
-    order = np.argsort(starts)
-    edge = np.append(starts[order], largest)
-    series = np.concatenate(found, axis=1)[:, order]
-    if refinement > 1:
-        panels = _divided(np.stack([edge[:-1], edge[1:]], axis=1), refinement)
-        edge = np.append(panels[:, 0], largest)
+    cuts = [beta for beta in wavenumbers if 0.0 < beta < largest]
+
+    def evaluate(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
         series = _series(amplitude, panels)
-    return Excitation(edge, np.ascontiguousarray(series), axle_position, wavenumbers)
+        tail = np.abs(series[..., -2:]).max(axis=(1, 2))
+        return series, tail > _TAIL * tolerance * np.abs(series).sum(axis=2).max(axis=1)
+
+    panels, series = halve(Panels.between(np.unique(np.concatenate([first, cuts]))), evaluate, _MOST_HALVINGS)
+    order = np.argsort(panels.low)
+    edge = np.append(panels.low[order], largest)
+    series = series[order]
+    if refinement > 1:
+        edge = divide(edge, refinement)
+        series = _series(amplitude, Panels.between(edge))
+    return Excitation(edge, np.ascontiguousarray(series.swapaxes(0, 1)), axle_position, wavenumbers)
 
 
-def _series(amplitude: Callable[[np.ndarray], np.ndarray], panels: np.ndarray) -> np.ndarray:
-    """Return the Legendre series of amplitudes on panels (n, 2), complex (axles, n, order)."""
-    value = amplitude(nodes_between(panels).ravel())
-    return to_legendre(value.T.reshape(value.shape[1], -1, ORDER))
-
-
-def _divided(panels: np.ndarray, parts: int) -> np.ndarray:
-    """Return panels (n, 2), each divided into equal parts, (n × parts, 2)."""
-    share = np.arange(parts + 1) / parts
-    edge = panels[:, :1] + np.diff(panels, axis=1) * share
-    return np.stack([edge[:, :-1].ravel(), edge[:, 1:].ravel()], axis=1)
+def _series(amplitude: Callable[[np.ndarray], np.ndarray], panels: Panels) -> np.ndarray:
+    """Return the Legendre series of amplitudes on panels, complex (n, axles, order)."""
+    value = amplitude(panels.nodes.ravel())
+    return to_legendre(value.reshape(-1, ORDER, value.shape[1]).swapaxes(1, 2))

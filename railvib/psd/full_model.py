@@ -155,7 +155,7 @@ class _Weights:
         if not self._parts[1].size or self._parts[0] != start:
             f = self._frequency[start : start + _LINES_AT_ONCE]
             turn = turned(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
-            self._parts = start, self._excited.turned(turn)
+            self._parts = start, self._excited.amplitude_parts(turn)
         return self._parts[1]
 
 

@@ -6,7 +6,7 @@ at the distances d between axles. It depends on neither speed nor forces, and is
 tabulated on a block's frequencies, as the transfer function is, and interpolated to the narrow-band lines.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.refinement import search_levels
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import add_cosine_integrals
@@ -22,7 +23,6 @@ from railvib.transfer.intensity import same_nodes, squared, squared_at
 from railvib.transfer.transfer_function import TransferFunction
 
 _AT_ONCE = 64
-_MOST_LEVELS = 6
 _CHECKS = 5
 _SHARE = 0.1
 """Of the tolerance, what interpolation between the frequencies may take."""
@@ -134,29 +134,33 @@ def _block(
     beyond: int,
 ) -> dict[Receiver, _Block]:
     """Tabulate one block, each receiver `beyond` levels above the first that passes its check."""
-    own = {
-        each: TransferFunction([function.blocks[block]], function.track)
-        for each, function in receivers.items()
+    functions = {
+        receiver: TransferFunction([function.blocks[block]], function.track)
+        for receiver, function in receivers.items()
     }
-    level = {each: function.blocks[block].level for each, function in own.items()}
-    passed: dict[Receiver, int] = {}
-    made: dict[Receiver, _Block] = {}
-    while len(made) < len(own):
-        # All that are at one level together: they share their nodes, and so much of the work.
-        now = min(level[each] for each in own if each not in made)
-        some = {each: own[each] for each in own if each not in made and level[each] == now}
-        ks, halfway = blocks.indices(block, now), blocks.halfway(block, now, _CHECKS)
-        f, between = blocks.frequency(now, ks), blocks.frequency(now + 1, halfway)
-        for receiver, value in _at_level(some, distance, block, now, ks, halfway).items():
-            tabulated, direct = value[: f.size], value[f.size :]
-            interpolated = blocks.interpolated(block, now, between, tabulated)
+
+    def tabulate(level: int, pending: Sequence[Receiver]) -> Callable[[Receiver, bool], tuple[_Block, bool]]:
+        # Together, as receivers share their nodes, and so much of the work.
+        ks, halfway = blocks.indices(block, level), blocks.halfway(block, level, _CHECKS)
+        f, between = blocks.frequency(level, ks), blocks.frequency(level + 1, halfway)
+        values = _at_level(
+            {receiver: functions[receiver] for receiver in pending}, distance, block, level, ks, halfway
+        )
+
+        def check(receiver: Receiver, _required: bool) -> tuple[_Block, bool]:
+            tabulated, direct = values[receiver][: f.size], values[receiver][f.size :]
+            interpolated = blocks.interpolated(block, level, between, tabulated)
             error = float((np.abs(interpolated - direct) / direct[:, :1]).max())
-            if error <= _SHARE * tolerance or now >= max(_MOST_LEVELS, own[receiver].blocks[block].level):
-                passed.setdefault(receiver, now)
-            if receiver in passed and now >= passed[receiver] + beyond:
-                made[receiver] = _Block(block, now, error, f, tabulated)
-            level[receiver] += 1
-    return made
+            return _Block(block, level, error, f, tabulated), error <= _SHARE * tolerance
+
+        return check
+
+    start = {receiver: function.blocks[block].level for receiver, function in functions.items()}
+    return {
+        receiver: table
+        for tables in search_levels(start, tabulate, beyond=beyond)
+        for receiver, (_level, table) in tables.items()
+    }
 
 
 def _at_level(

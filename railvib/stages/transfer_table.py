@@ -9,12 +9,13 @@ from typing import Any, ClassVar, Self
 
 from railvib.errors import AccuracyWarning
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.refinement import MOST_LEVELS
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import RAIL, Receiver
 from railvib.stages.model_stage import AnyReceiver, ModelStage
 from railvib.stages.stage import COMPLEX, FLOAT, Load, Work
 from railvib.transfer.table import TransferBlock
-from railvib.transfer.tabulate import MOST_LEVELS, VALUES_AT_ONCE, transfer_blocks_by_class
+from railvib.transfer.tabulate import VALUES_AT_ONCE, transfer_blocks_by_class
 
 _SURVIVING = 8.0
 """Wavelengths times loss factor after which tables grow no more with distance: e^{−8π} is left of a wave."""

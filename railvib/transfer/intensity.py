@@ -14,6 +14,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.frequency_blocks import STENCIL
+from railvib.numerics.refinement import MOST_LEVELS, search_level
 from railvib.numerics.wavenumber_panels import ORDER, WEIGHT
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
@@ -24,8 +25,8 @@ from railvib.transfer.table import TransferBlock
 from railvib.transfer.track_response import track_parameters
 from railvib.transfer.transfer_function import TransferFunction
 
-_LEVELS_BEYOND, _MOST_LEVELS = 3, 6
-"""Levels beyond that of the table, between whose frequencies nothing new is known, and levels at all."""
+_LEVELS_BEYOND = 3
+"""Levels beyond that of the table, between whose frequencies nothing new is known."""
 _HALVING = 2.0 ** (STENCIL / 2)
 """Factor by which half the step reduces the error at least, where the phase turns by less than half a turn in
 one step: the error goes with sinⁿ of half the turn over the step, n being the length of the stencil."""
@@ -79,16 +80,20 @@ def square_level(
     error = _error(stencils, _square(table.transfer), _square(direct), negligible)
     if error <= tolerance:
         return table.level
-    last = max(table.level, min(table.level + _LEVELS_BEYOND, _MOST_LEVELS))
-    if error <= _HALVING * tolerance:
+    last = max(table.level, min(table.level + _LEVELS_BEYOND, MOST_LEVELS))
+    if error <= _HALVING * tolerance or table.level == last:
         return min(table.level + 1, last)
-    for level in range(table.level + 1, last):
+
+    def check(level: int, required: bool) -> tuple[None, bool]:
+        if required:
+            return None, True
         places = halfway_places(table.block, level, place.size)
         rows = _evaluate(table, track, blocks.frequency(level, places.row))
         between = _evaluate(table, track, blocks.frequency(level + 1, places.place))
-        if _error((places.first, places.weight), rows, between, negligible) <= tolerance:
-            return level
-    return last
+        return None, _error((places.first, places.weight), rows, between, negligible) <= tolerance
+
+    level, _ = search_level(table.level + 1, check, last)
+    return level
 
 
 def _error(

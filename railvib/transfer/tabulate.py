@@ -6,12 +6,13 @@ their nodes whichever of them are asked for. Each receiver then takes the first 
 interpolation between them passes a check against direct evaluation half-way.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.refinement import search_levels
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import CENTRE, Receiver
 from railvib.parameters.track import Track
@@ -23,7 +24,6 @@ from railvib.transfer.resolution import resolve_nodes
 from railvib.transfer.samples import Samples
 from railvib.transfer.table import SharedTable, TransferBlock
 
-MOST_LEVELS = 6
 TIGHTEST, LOOSEST = 1e-6, 1e-2
 """Tolerances that can be asked for; the rational fits are asked for a millionth of them."""
 _CHECKS = 5
@@ -169,43 +169,48 @@ def _tables(
     samples: Samples, receivers: Sequence[Receiver], receiver_class: _Class, refinement: int
 ) -> Iterator[dict[Receiver, TransferBlock]]:
     """Tabulate receivers, each at the first level that passes its check, or one beyond it; level by level."""
-    block, tolerance = samples.fits.block, samples.tolerance
-    beyond = int(np.log2(refinement))
-    passed: dict[Receiver, int] = {}
-    pending = list(receivers)
-    for level in range(MOST_LEVELS + beyond + 1):
-        if not pending:
-            return
-        ks = blocks.indices(block, level)
-        samples.evaluate(level, ks, pending)
+    block = samples.fits.block
+
+    def tabulate(
+        level: int, pending: Sequence[Receiver]
+    ) -> Callable[[Receiver, bool], tuple[TransferBlock | None, bool]]:
+        samples.evaluate(level, blocks.indices(block, level), pending)
         samples.evaluate(level + 1, blocks.halfway(block, level, _CHECKS), pending)
-        check = receiver_class.check(samples, level)
-        tables: dict[Receiver, TransferBlock] = {}
-        for receiver in pending:
-            distance = receiver.distance(samples.track.half_width)
-            rows = samples.at(level, check.places.row, receiver)
-            direct = np.array(samples.at(level + 1, check.places.place, receiver))
-            required = receiver in passed or level >= MOST_LEVELS
-            reference = check.reference_slowness(receiver, distance, rows, direct, tolerance, required)
-            if reference is None:
-                continue
-            passed.setdefault(receiver, level)
-            if level < passed[receiver] + beyond:
-                continue
-            slowness, error = reference
-            table = TransferBlock(
-                receiver_class.shared(samples, level),
-                transfer=np.array(samples.at(level, ks, receiver)),
-                receiver=receiver.name,
-                offset=receiver.offset_m,
-                distance=distance,
-                square_level=level,
-                reference_slowness=tuple(slowness.tolist()),
-                interpolation_error=error,
-            )
-            negligible = check.negligible(receiver, direct)
-            finer = square_level(table, samples.track, check.places.place, direct, negligible, tolerance)
-            tables[receiver] = replace(table, square_level=finer)
-        if tables:
-            yield tables
-        pending = [receiver for receiver in pending if receiver not in tables]
+
+        def check(receiver: Receiver, required: bool) -> tuple[TransferBlock | None, bool]:
+            table = _table(samples, receiver_class, level, receiver, required)
+            return table, table is not None
+
+        return check
+
+    start = dict.fromkeys(receivers, 0)
+    for tables in search_levels(start, tabulate, beyond=int(np.log2(refinement))):
+        yield {receiver: table for receiver, (_level, table) in tables.items() if table is not None}
+
+
+def _table(
+    samples: Samples, receiver_class: _Class, level: int, receiver: Receiver, required: bool
+) -> TransferBlock | None:
+    """Return the table of a receiver at a level; None if it fails its check, unless it is required."""
+    track, tolerance = samples.track, samples.tolerance
+    check = receiver_class.check(samples, level)
+    distance = receiver.distance(track.half_width)
+    rows = samples.at(level, check.places.row, receiver)
+    direct = np.array(samples.at(level + 1, check.places.place, receiver))
+    reference = check.reference_slowness(receiver, distance, rows, direct, tolerance, required)
+    if reference is None:
+        return None
+    slowness, error = reference
+    table = TransferBlock(
+        receiver_class.shared(samples, level),
+        transfer=np.array(samples.at(level, blocks.indices(samples.fits.block, level), receiver)),
+        receiver=receiver.name,
+        offset=receiver.offset_m,
+        distance=distance,
+        square_level=level,
+        reference_slowness=tuple(slowness.tolist()),
+        interpolation_error=error,
+    )
+    negligible = check.negligible(receiver, direct)
+    finer = square_level(table, track, check.places.place, direct, negligible, tolerance)
+    return replace(table, square_level=finer)

@@ -13,7 +13,7 @@ from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
 from railvib.parameters.vehicle import Train
-from railvib.psd.excitation import excitation, resolved
+from railvib.psd.excitation import excitation, resolve
 from railvib.psd.full_model import passage_spectra
 from railvib.psd.line_integrals import directly, line_integrals
 from railvib.psd.moving_roughness import axle_pairs, products, spans
@@ -151,7 +151,7 @@ def test_frozen_full_model_is_moving_roughness(receiver, functions, train):
     reach = largest + 2.0 * np.pi * f[-1] / SPEED
     full = np.zeros(f.size)
     for part in (force.real, force.imag):
-        excited = resolved(
+        excited = resolve(
             lambda beta, part=part: part * np.exp(-1j * beta[:, None] * alpha), reach, alpha, tolerance=1e-6
         )
         full += passage_spectra({receiver: functions[receiver]}, excited, train.length, SPEED, f)[receiver]
@@ -188,7 +188,7 @@ class TestSlowTrain:
             unevenness = np.sqrt(ROUGH.psd(2.0 * np.pi * own / speed))
             return (self.force(moving.at(own)[:, 0], own) * unevenness)[:, None]
 
-        excited = resolved(amplitude, reach * 2.0 * np.pi / speed, np.array([0.0]))
+        excited = resolve(amplitude, reach * 2.0 * np.pi / speed, np.array([0.0]))
         full = passage_spectra({receiver: functions[receiver]}, excited, 1.0, speed, f)[receiver]
         force = self.force(standing.at(f)[:, 0], f)[:, None, None]
         mean = line_products(functions[receiver], np.array([0.0]), f, force)[:, 0, 0].real

@@ -32,8 +32,8 @@ def moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest, out):
     shift
         2πf/v, (lines,), rad/m.
     parts, rows
-        What `Excitation.turned` returns, in powers of x on the excitation's panels, and which of its lines
-        these are.
+        What `Excitation.amplitude_parts` returns, in powers of x on the excitation's panels, and which of its
+        lines these are.
     beta_edge
         Edges of the excitation's panels, rad/m.
     lowest, highest

@@ -13,7 +13,7 @@ from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
-from railvib.psd.excitation import excitation, resolved
+from railvib.psd.excitation import excitation, resolve
 from railvib.psd.full_model import passage_spectra
 from railvib.psd.spectra import line_step, lines
 
@@ -44,7 +44,7 @@ def value(excited, axle, beta):
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
 def test_series_are_the_amplitudes(tolerance):
-    excited = resolved(sharp, 40.0, ALPHA, tolerance=tolerance)
+    excited = resolve(sharp, 40.0, ALPHA, tolerance=tolerance)
     beta = np.random.default_rng(3).uniform(1e-3, 40.0, 400)
     for axle in range(3):
         np.testing.assert_allclose(
@@ -53,28 +53,28 @@ def test_series_are_the_amplitudes(tolerance):
 
 
 def test_narrow_where_it_is_sharp():
-    width = np.diff(resolved(sharp, 40.0, ALPHA).edge)
-    edge = resolved(sharp, 40.0, ALPHA).edge
+    width = np.diff(resolve(sharp, 40.0, ALPHA).edge)
+    edge = resolve(sharp, 40.0, ALPHA).edge
     assert width[np.searchsorted(edge, 0.15) - 1] < 0.1 * width[-1]
 
 
 def test_cut_offs_are_edges():
-    edge = resolved(sharp, 40.0, ALPHA, (0.3, 7.7)).edge
+    edge = resolve(sharp, 40.0, ALPHA, (0.3, 7.7)).edge
     assert np.all(np.isin([0.3, 7.7], edge))
-    assert np.all(np.isfinite(resolved(sharp, 40.0, ALPHA, (0.0, np.inf)).edge))
+    assert np.all(np.isfinite(resolve(sharp, 40.0, ALPHA, (0.0, np.inf)).edge))
 
 
 def test_refinement_divides_panels():
-    usual, finer = resolved(sharp, 40.0, ALPHA), resolved(sharp, 40.0, ALPHA, refinement=3)
+    usual, finer = resolve(sharp, 40.0, ALPHA), resolve(sharp, 40.0, ALPHA, refinement=3)
     np.testing.assert_allclose(finer.edge[::3], usual.edge, rtol=1e-14)
     assert finer.series.shape == (3, 3 * usual.series.shape[1], ORDER)
 
 
 def test_turned_at_both_signs():
     """The four products give A = Σ φ_l q_l at β, and Σ φ_l q_l* at −β, in powers of x."""
-    excited = resolved(sharp, 40.0, ALPHA)
+    excited = resolve(sharp, 40.0, ALPHA)
     phase = np.exp(1j * np.random.default_rng(1).uniform(0.0, 6.0, (5, 3)))
-    (rr, ri), (ir, ii) = excited.turned(phase)
+    (rr, ri), (ir, ii) = excited.amplitude_parts(phase)
     terms = np.array([[legendre.leg2poly(panel) for panel in axle] for axle in excited.series]).reshape(3, -1)
     np.testing.assert_allclose((rr - ii) + 1j * (ri + ir), phase @ terms, rtol=1e-12, atol=1e-9)
     np.testing.assert_allclose((rr + ii) + 1j * (ir - ri), phase @ terms.conj(), rtol=1e-12, atol=1e-9)
@@ -88,8 +88,8 @@ def test_nothing_beyond_the_last_edge(track, tables):
     functions = tables(soft, track, range(1, 3), (RAIL, Receiver(8.0)), 1e-4)
     f, end = np.array([6.0, 20.0]), 0.5
     assert np.all(2.0 * np.pi * f / SPEED > end)
-    short = passage_spectra(functions, resolved(sharp, end, ALPHA), 50.0, SPEED, f)
-    cut = passage_spectra(functions, resolved(sharp, 40.0, ALPHA, (0.0, end)), 50.0, SPEED, f)
+    short = passage_spectra(functions, resolve(sharp, end, ALPHA), 50.0, SPEED, f)
+    cut = passage_spectra(functions, resolve(sharp, 40.0, ALPHA, (0.0, end)), 50.0, SPEED, f)
     for receiver in functions:
         assert np.all(short[receiver] > 0.0)
         np.testing.assert_allclose(short[receiver], cut[receiver], rtol=1e-5)
