@@ -1,6 +1,6 @@
-"""The rail's transfer function as a moving load sees it: H̃_R(β, ω − βv), what receptances integrate.
+"""The rail's transfer function as a moving load sees it: H̃_R(β, ω − βv), the integrand of receptances.
 
-It depends on the speed and on no train, so that all trains at a speed share it.
+It depends on the speed but not on the train, so all trains at a speed share it.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,8 +12,8 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.transfer.nodes import Nodes
 from railvib.transfer.transfer_function import TransferFunction
 
-_PANELS = 3
-"""Of the table's, to each of those here where waves travel."""
+_PANELS_MERGED = 3
+"""Number of the table's panels that are merged into one where waves travel."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class MovingTransfer:
     """Speed of the load, m/s."""
 
 
-def moving_transfer(rail: TransferFunction, speed: float, which: Iterable[int]) -> MovingTransfer:
-    """Tabulate the rail's transfer function for a moving load, nearly on the standing load's nodes.
+def moving_transfer(rail: TransferFunction, speed: float, block_range: Iterable[int]) -> MovingTransfer:
+    """Tabulate the rail's transfer function for a moving load, on coarser panels than its tables'.
 
-    Of the panels where waves travel three are made one: the table's resolve the ground at some distance too.
+    Where waves travel, three panels are merged: the tables' panels resolve the ground at some distance too.
 
     Parameters
     ----------
@@ -53,19 +53,19 @@ def moving_transfer(rail: TransferFunction, speed: float, which: Iterable[int]) 
         block's upper edge.
     speed
         m/s.
-    which
+    block_range
         Indices of the blocks, ascending, see `railvib.numerics.frequency_blocks`.
     """
-    made = [_block(rail, speed, block) for block in which]
-    frequency, beta, value = zip(*made, strict=True)
-    return MovingTransfer(np.concatenate(frequency), _joined(beta), _joined(value), speed)
+    frequency, beta, value = zip(*(_block(rail, speed, block) for block in block_range), strict=True)
+    return MovingTransfer(np.concatenate(frequency), _concatenate(beta), _concatenate(value), speed)
 
 
-def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """Return blocks (frequency, node) as one, with NaN where one has fewer nodes."""
-    nodes = max(each.shape[1] for each in parts)
-    filled = [np.pad(each, ((0, 0), (0, nodes - each.shape[1])), constant_values=np.nan) for each in parts]
-    return np.concatenate(filled)
+def _concatenate(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """Return blocks (frequency, node) as one, with NaN where a block has fewer nodes."""
+    nodes = max(part.shape[1] for part in parts)
+    return np.concatenate(
+        [np.pad(part, ((0, 0), (0, nodes - part.shape[1])), constant_values=np.nan) for part in parts]
+    )
 
 
 def _block(rail: TransferFunction, speed: float, block: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -73,7 +73,7 @@ def _block(rail: TransferFunction, speed: float, block: int) -> tuple[np.ndarray
     frequency = blocks.frequency(0, blocks.indices(block, 0)[blocks.HALO : -blocks.HALO - 1])
     nodes = rail.blocks[min(max(block, min(rail.blocks)), max(rail.blocks))].nodes
     waves = nodes.edge[nodes.edge <= 1.0]
-    edge = np.concatenate([[0.0], waves[-1:0:-_PANELS][::-1], nodes.edge[nodes.edge > 1.0]])
+    edge = np.concatenate([[0.0], waves[-1:0:-_PANELS_MERGED][::-1], nodes.edge[nodes.edge > 1.0]])
     half = Nodes(nodes.top_slowness, nodes.largest, edge).wavenumber(frequency)
     beta = np.concatenate([-half[:, ::-1], half], axis=1)
     seen = 2.0 * np.pi * frequency[:, None] - beta * speed

@@ -2,9 +2,9 @@
 
     ∫ H̃_R(β, ω − βv) e^{iβd} dβ
 
-The integral runs over panels between the slownesses at which waves travel, Doppler-shifted, with the place
-where ω − βv changes sign (and with it the damping) as a panel's edge. A panel that does not resolve the
-response is halved. Beyond the tables the rail on its pads carries the load alone.
+Panels have their edges at the slownesses of travelling waves, Doppler-shifted, and where ω − βv changes sign,
+and the damping with it. A panel that does not resolve the response is halved. Beyond the tables the rail on
+its pads carries the load alone.
 """
 
 import numpy as np
@@ -19,18 +19,19 @@ from railvib.transfer.transfer_function import TransferFunction
 
 _TAIL_PANELS = 3
 _TAIL_RATIO = 4.0
-"""Each panel of the tail ends at so many times its beginning. The tail is less than 1e-3 of all and falls
-with the cube of where it begins: what is cut off is below 1e-8.
+"""End of each panel of the tail over its beginning. The tail is less than 1e-3 of the integral and falls with
+the cube of where it begins: what is cut off is below 1e-8.
 """
 _MOST_HALVINGS = 12
-_EDGES_TAKEN = 3
+_EDGE_STRIDE = 3
+"""One of so many edges of the tables is an edge here: the tables also resolve the ground at some distance."""
 _NARROWEST = 0.01
 """Width of the narrowest panels in powers of two, rad/m, where no wave asks for narrower ones."""
-_TURN_SEEN = 4.0
-"""Panels need no edge for ω − βv = 0 at distances from it of so many times its β: it is as far as β = 0."""
+_SIGN_CHANGE_REACH = 4.0
+"""Farthest panel edges around the β at which ω − βv = 0, over that β; beyond, edges around β = 0 suffice."""
 _RESOLVED = 1e-2
-"""Last Legendre coefficients of a panel times its width, over tolerance times peak: the error left is below
-1e-2 of the tolerance.
+"""Last Legendre coefficients of a panel times its width, over tolerance times peak, at which it is resolved:
+the remaining error is below 1e-2 of the tolerance.
 """
 
 
@@ -60,7 +61,7 @@ def rail_integrals(
     cosine, sine : ndarray of complex, shape (n, m)
         ∫ H̃_R cos(βd) dβ and ∫ H̃_R sin(βd) dβ, m/N.
     number : int
-        At how many wavenumbers the response was computed.
+        Number of wavenumbers at which the response was computed.
 
     Raises
     ------
@@ -119,19 +120,18 @@ def _first_panels(rail: TransferFunction, frequency: np.ndarray, speed: float) -
     """Return the first panels of all frequencies.
 
     Edges are the tables' slownesses as a moving load sees them, powers of two from there to the largest β,
-    and the tail's. Of the tables' edges every third is taken: their panels resolve the ground at some
-    distance as well.
+    and those of the tail.
     """
     largest = rail.reach
-    which = blocks.assigned(frequency, rail.blocks)
+    block_of = blocks.assigned(frequency, rail.blocks)
     tail = largest * _TAIL_RATIO ** np.arange(1, _TAIL_PANELS + 1)
     halves = largest * 0.5 ** np.arange(1, int(np.log2(largest / _NARROWEST)) + 1)
     first = []
-    for block in np.unique(which):
+    for block in np.unique(block_of):
         nodes = rail.blocks[int(block)].nodes
         travelling = nodes.edge[(nodes.edge > 0.0) & (nodes.edge <= 1.0)]
-        slowness = travelling[::-_EDGES_TAKEN] * nodes.top_slowness
-        omega = 2.0 * np.pi * frequency[which == block][:, None]
+        slowness = travelling[::-_EDGE_STRIDE] * nodes.top_slowness
+        omega = 2.0 * np.pi * frequency[block_of == block][:, None]
         ahead = omega * slowness / (1.0 + slowness * speed)
         reach = np.maximum(omega * slowness[0], _NARROWEST)
         far = np.where(halves > reach, halves, np.inf)
@@ -140,20 +140,21 @@ def _first_panels(rail: TransferFunction, frequency: np.ndarray, speed: float) -
         if speed > 0.0:
             with np.errstate(divide="ignore", invalid="ignore"):
                 behind = omega * slowness / (slowness * speed - 1.0)
-            turn = omega / speed
-            near = np.where(far < _TURN_SEEN * turn, far, np.inf)
-            parts += [_within(each, largest) for each in (behind, -far, turn + near, turn - near)]
-            parts += [_within(turn, tail[-1]), -ends[:, 1:]]
+            sign_change = omega / speed
+            near = np.where(far < _SIGN_CHANGE_REACH * sign_change, far, np.inf)
+            around = behind, -far, sign_change + near, sign_change - near
+            parts += [_within(beta, largest) for beta in around]
+            parts += [_within(sign_change, tail[-1]), -ends[:, 1:]]
         edge = np.sort(np.concatenate(parts, axis=1), axis=1)
         distinct = np.isfinite(edge)
         distinct[:, 1:] &= edge[:, 1:] > edge[:, :-1] + 1e-9 * largest
         row, edge = np.nonzero(distinct)[0], edge[distinct]
         inner = row[1:] == row[:-1]
-        first.append((np.flatnonzero(which == block)[row[1:][inner]], edge[:-1][inner], edge[1:][inner]))
+        first.append((np.flatnonzero(block_of == block)[row[1:][inner]], edge[:-1][inner], edge[1:][inner]))
     owner, low, high = (np.concatenate(columns) for columns in zip(*first, strict=True))
     return Panels(low, high - low, owner)
 
 
 def _within(value: np.ndarray, limit: float) -> np.ndarray:
-    """Return values, infinite in place of those that are not inside a limit."""
+    """Return values, with infinity in place of those beyond a limit."""
     return np.where(np.abs(value) < limit, value, np.inf)

@@ -2,7 +2,7 @@
 
     σ_R(d, ω; v) = (1/2π) ∫ H̃_R(β, ω − βv) e^{iβd} dβ
 
-in the frame that moves with the load, d ahead of it. The integrand is tabulated (`railvib.transfer.table`),
+in the frame that moves with the load, d ahead of it. The integrand is tabulated (`railvib.transfer.table`)
 and integrated by `railvib.forces.rail_integrals`; the receptances are tabulated in turn, over frequency.
 """
 
@@ -23,8 +23,9 @@ from railvib.transfer.nodes import largest_wavenumber
 from railvib.transfer.transfer_function import TransferFunction
 
 _CHECKS = 9
+"""Places between the frequencies of a level at which interpolation without fast phases is checked."""
 _STORED_CHECKS = 25
-"""Half-way between stored frequencies, where interpolation with and without fast phases is compared."""
+"""Places between stored frequencies at which interpolation with and without fast phases is compared."""
 _STORED_SHARE, _DIRECT_SHARE = 0.1, 0.07
 """Shares of the tolerance that all interpolation may take, and interpolation without fast phases."""
 
@@ -85,9 +86,9 @@ def tabulated_receptances(
 ) -> Receptances:
     """Tabulate receptances over blocks of frequencies, each at the first level that passes a check half-way.
 
-    They are computed where they determine what does not turn fast with frequency
-    (`railvib.forces.smooth_receptance`), and stored at frequencies so near each other that they can be
-    interpolated as they are.
+    They are computed at frequencies between which they can be interpolated once their fast phases are taken
+    out (`railvib.forces.smooth_receptance`), and stored at frequencies so close to each other that they can
+    be interpolated as they are.
 
     Parameters
     ----------
@@ -181,7 +182,7 @@ class _Samples:
 
 
 class _Block(NamedTuple):
-    """The rows of `Receptances` that belong to one block, and of the receptance at the load in the end."""
+    """The rows of `Receptances` for one block, with the receptance at the load as the last column."""
 
     block: int
     level: int
@@ -191,7 +192,7 @@ class _Block(NamedTuple):
 
 
 def _stored(reduced: Reduced, tabulated: np.ndarray, error: float, tolerance: float, least: int) -> _Block:
-    """Return the block to be stored: at frequencies so near each other that no phase need be taken out."""
+    """Return the block to be stored, at frequencies so close that no phase need be taken out."""
     block = reduced.block
 
     def check(level: int, _required: bool) -> tuple[_Block, bool]:
@@ -208,14 +209,14 @@ def _stored(reduced: Reduced, tabulated: np.ndarray, error: float, tolerance: fl
 
 
 def _largest_error(value: np.ndarray, exact: np.ndarray) -> float:
-    """Return the largest error, relative to the receptance at the load, the last one."""
+    """Return the largest error, relative to the receptance at the load, the last column."""
     return float((np.abs(value - exact) / np.abs(exact[:, -1:])).max())
 
 
 def highest_tabulated_frequency(
     track: Track, maximum_frequency: float, speed: float, refinement: int = 1
 ) -> float:
-    """Return up to which frequency the rail must be tabulated for receptances up to another one, Hz."""
+    """Return the frequency up to which receptances up to another frequency need the rail's tables, Hz."""
     return maximum_frequency + largest_wavenumber(track, refinement) * abs(speed) / (2.0 * np.pi)
 
 
@@ -255,10 +256,10 @@ def receptances(
     """
     f = np.atleast_1d(np.asarray(frequency, float))
     d = np.atleast_1d(np.asarray(distances, float))
-    away = np.unique(np.abs(d))
+    distinct = np.unique(np.abs(d))
     with cost.stage("receptances") as spent:
-        even, odd, number = rail_integrals(rail, track, speed, f, away, tolerance)
+        even, odd, number = rail_integrals(rail, track, speed, f, distinct, tolerance)
         spent.evaluations += number
         spent.kernel_calls += 1
-    column = np.searchsorted(away, np.abs(d))
+    column = np.searchsorted(distinct, np.abs(d))
     return np.asarray((even[:, column] + 1j * odd[:, column] * np.sign(d)) / (2.0 * np.pi))

@@ -1,12 +1,13 @@
-"""What turns fast with frequency in the receptances of distant axles, taken out where they are interpolated.
+"""Receptances of distant axles without their fast phases, which can be interpolated over frequency.
 
-Two things do. A wave of slowness s reaches a distance d with the phase e^{−iωs'|d|}, s' = s/(1 ∓ sv) ahead of
-the load and behind it. And at β = ω/v, where the track sees no frequency, the hysteretic damping changes its
-sign: the response jumps by twice its imaginary part I, which leaves
+Two contributions turn fast with frequency. A wave of slowness s reaches a distance d with the phase
+e^{−iωs'|d|}, s' = s/(1 ∓ sv) ahead of the load and behind it. And at β = ω/v, where the track sees zero
+frequency, the hysteretic damping changes its sign: the response jumps by twice its imaginary part I, which
+leaves
 
     T(d, ω) = (I/π) e^{iωd/v} d/(a² + d²),        a = v/ω
 
-to leading order in a/d. It decays so slowly that beyond some 50 m it outlasts the waves.
+to leading order in a/d. T decays so slowly that it dominates beyond some 50 m.
 """
 
 from typing import NamedTuple
@@ -20,13 +21,13 @@ from railvib.transfer.track_response import track_response
 from railvib.transfer.transfer_function import TransferFunction
 
 _SHARES = np.array([0.0, 0.5, 0.6, 0.7, 0.4, 0.3])
-"""Slownesses whose phase is tried, of one above every wave's."""
-_NEAREST_TO_CRITICAL = 0.2
-"""1 − sv is not taken below: a load that outruns a wave has it behind only, and no phase helps ahead."""
+"""Slownesses whose phase is tried, over that at u = 1, in order of trial."""
+_SMALLEST_DENOMINATOR = 0.2
+"""Lower bound of 1 − sv: a load that outruns a wave has it behind only, and no phase helps ahead."""
 
 
 class Load(NamedTuple):
-    """A load on the rail and the distances from it at which receptances are wanted."""
+    """A load on the rail, and the distances from it at which receptances are wanted."""
 
     rail: TransferFunction
     track: Track
@@ -35,45 +36,56 @@ class Load(NamedTuple):
     distance: np.ndarray
     """Ahead of the load, m, (m,)."""
 
-    def dragged(self, frequency: np.ndarray) -> np.ndarray:
+    def sign_change(self, frequency: np.ndarray) -> np.ndarray:
         """Return T at frequencies (n,) in Hz, complex (n, m), m/N."""
         if self.speed == 0.0:
             return np.zeros((frequency.size, self.distance.size), complex)
-        turn = 2.0 * np.pi * frequency / self.speed
-        static = np.full(turn.size, 2.0 * np.pi * self.rail.lowest)
-        response = self.rail.response(turn, static)
-        beyond = turn > self.rail.reach
+        beta = 2.0 * np.pi * frequency / self.speed
+        static = np.full(beta.size, 2.0 * np.pi * self.rail.lowest)
+        response = self.rail.response(beta, static)
+        beyond = beta > self.rail.reach
         if beyond.any():
-            response[beyond] = track_response(self.track, turn[beyond], static[beyond], 0.0)[0]
-        angle = turn[:, None] * self.distance
-        share = (response.imag * turn / np.pi)[:, None] * angle / (1.0 + angle**2)
+            response[beyond] = track_response(self.track, beta[beyond], static[beyond], 0.0)[0]
+        angle = beta[:, None] * self.distance
+        share = (response.imag * beta / np.pi)[:, None] * angle / (1.0 + angle**2)
         return np.asarray(share * turned(angle))
 
     def phase(self, frequency: np.ndarray, slowness: float) -> np.ndarray:
         """Return e^{iωs'|d|} of waves of a slowness in s/m, complex (n, m)."""
-        ahead = slowness / max(1.0 - slowness * self.speed, _NEAREST_TO_CRITICAL)
+        ahead = slowness / max(1.0 - slowness * self.speed, _SMALLEST_DENOMINATOR)
         behind = slowness / (1.0 + slowness * self.speed)
-        away = np.where(self.distance > 0.0, ahead, behind) * np.abs(self.distance)
-        return turned(2.0 * np.pi * frequency[:, None] * away)
+        delay = np.where(self.distance > 0.0, ahead, behind) * np.abs(self.distance)
+        return turned(2.0 * np.pi * frequency[:, None] * delay)
 
 
 class Reduced(NamedTuple):
-    """Receptances at the frequencies of one block without what turns fast."""
+    """Receptances at the frequencies of one block, without their fast phases."""
 
     load: Load
     block: int
     level: int
     slowness: float
-    """Of the waves whose phase is taken out, s/m."""
+    """Slowness of the waves whose phase is taken out, s/m; 0 for none."""
     rows: np.ndarray
     """Complex (frequencies, m)."""
 
-    def at(self, frequency: np.ndarray) -> np.ndarray:
-        """Interpolate receptances to frequencies (n,) inside the block, Hz: (n, m)."""
+    @classmethod
+    def of(cls, load: Load, block: int, level: int, slowness: float, rows: np.ndarray) -> "Reduced":
+        """Return receptances without T at the frequencies of a block, and take a wave's phase out."""
+        if slowness > 0.0:
+            rows = rows * load.phase(blocks.frequency(level, blocks.indices(block, level)), slowness)
+        return cls(load, block, level, slowness, rows)
+
+    def without_sign_change(self, frequency: np.ndarray) -> np.ndarray:
+        """Interpolate receptances without T to frequencies (n,) inside the block, Hz: (n, m)."""
         value = blocks.interpolated(self.block, self.level, frequency, self.rows)
         if self.slowness > 0.0:
             value *= self.load.phase(frequency, self.slowness).conj()
-        return np.asarray(value + self.load.dragged(frequency))
+        return np.asarray(value)
+
+    def at(self, frequency: np.ndarray) -> np.ndarray:
+        """Interpolate receptances to frequencies (n,) inside the block, Hz: (n, m)."""
+        return np.asarray(self.without_sign_change(frequency) + self.load.sign_change(frequency))
 
 
 def smoothest(
@@ -83,36 +95,34 @@ def smoothest(
     receptance: np.ndarray,
     between: np.ndarray,
     direct: np.ndarray,
-    enough: float,
+    good_enough: float,
 ) -> tuple[Reduced, float]:
-    """Return receptances without the phases that let them be interpolated best, and the error that is left.
+    """Return receptances without the phases whose removal makes them smoothest, and the remaining error.
 
     Parameters
     ----------
     load
         The load and the distances, 0 the last of them.
     block, level
-        Of the frequencies.
+        Block and level of the frequencies.
     receptance
         Receptances at them, complex (frequencies, m), m/N.
     between
         Frequencies at which interpolation is checked, Hz, (n,).
     direct
         Receptances at these, (n, m).
-    enough
+    good_enough
         Error, relative to the receptance at the load, below which no other phase is tried.
     """
     frequency = blocks.frequency(level, blocks.indices(block, level))
-    rows, exact = receptance - load.dragged(frequency), direct - load.dragged(between)
+    rows, exact = receptance - load.sign_change(frequency), direct - load.sign_change(between)
     best = Reduced(load, block, level, 0.0, rows), np.inf
     for slowness in _SHARES * max(table.nodes.top_slowness for table in load.rail.blocks.values()):
-        turned = rows * load.phase(frequency, slowness) if slowness > 0.0 else rows
-        value = blocks.interpolated(block, level, between, turned)
-        if slowness > 0.0:
-            value *= load.phase(between, slowness).conj()
-        error = float((np.abs(value - exact) / np.abs(direct[:, -1:])).max())
+        reduced = Reduced.of(load, block, level, float(slowness), rows)
+        difference = np.abs(reduced.without_sign_change(between) - exact)
+        error = float((difference / np.abs(direct[:, -1:])).max())
         if error < best[1]:
-            best = Reduced(load, block, level, slowness, turned), error
-        if error <= enough:
+            best = reduced, error
+        if error <= good_enough:
             break
     return best

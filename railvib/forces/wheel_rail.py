@@ -2,8 +2,8 @@
 
     [Σ_T + Σ_R + I/k_H] P = −w̃        (Eq. 12)
 
-With the standing receptances of the rail this is the moving-roughness approach, with the moving ones the full
-model; nothing else differs.
+With the rail's standing receptances these are the forces of moving roughness, with the moving ones those of
+the full model; nothing else differs.
 """
 
 from functools import lru_cache
@@ -18,8 +18,8 @@ from railvib.numerics.vector_math import turned
 from railvib.parameters.vehicle import Train, Vehicle, chain_flexibilities, train_receptance
 
 _MOST_GROWTH = 1e3
-"""Largest product of the factors' entries, relative to the matrix, with which rows keep their order: of 16
-digits at most three are lost.
+"""Largest product of the factors' entries, relative to the matrix, for which rows keep their order: at most
+three of 16 digits are lost.
 """
 
 
@@ -68,7 +68,7 @@ def axle_forces(train: Train, rail: Receptances, frequency: np.ndarray, unevenne
 
 
 class AxleEquations:
-    """Eq. 12 at some frequencies, to be solved for some of them at a time.
+    """Eq. 12 at some frequencies, solved for some of them at a time.
 
     Parameters
     ----------
@@ -87,12 +87,12 @@ class AxleEquations:
             self._flexibility = np.stack(flexibility)
 
     def matrices(self, rows: slice) -> np.ndarray:
-        """Return what `force_matrices` does, at some of the frequencies."""
+        """Return the forces per unit unevenness at each axle, as `force_matrices`, at some frequencies."""
         unit = np.eye(self._train.axle_count, dtype=complex)
         return self.forces(rows, np.broadcast_to(unit, (self._omega[rows].size, *unit.shape)))
 
     def forces(self, rows: slice, unevenness: np.ndarray) -> np.ndarray:
-        """Return the forces of several sets of unevenness at some of the frequencies, (n, axles, sets)."""
+        """Return the forces for several sets of unevenness at some of the frequencies, (n, axles, sets)."""
         forces = np.empty(unevenness.shape, complex)
         with cost.stage("wheel-rail forces") as spent:
             receptance = self._receptance[rows]
@@ -105,7 +105,7 @@ class AxleEquations:
                 np.ascontiguousarray(unevenness),
                 forces,
             )
-            for row in np.flatnonzero(~(growth < _MOST_GROWTH)):  # as yet no train has needed it
+            for row in np.flatnonzero(~(growth < _MOST_GROWTH)):  # no train so far has needed it
                 omega = self._omega[rows][row]
                 compliance = receptance[row][self._column] + train_receptance(self._train, omega)
                 compliance += np.diag(self._layout.contact)
@@ -115,13 +115,13 @@ class AxleEquations:
 
 
 class _Layout(NamedTuple):
-    """What the equations of a train's axles take from it."""
+    """The properties of a train that its axles' equations need."""
 
     distance: np.ndarray
-    """Between every two axles, signed, m."""
+    """Distance between every two axles, signed, m, (axles, axles)."""
     kinds: tuple[Vehicle, ...]
     kind: np.ndarray
-    """Of every vehicle, ascending in x: which of the kinds."""
+    """Index into the kinds of every vehicle, ascending in x."""
     contact: np.ndarray
     """1/k_H of every axle, m/N."""
 

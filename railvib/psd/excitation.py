@@ -2,8 +2,8 @@
 
     q_l(β) = P_l(βv) e^{−iβα_l} √S_w(|β|)
 
-The phases of the forces are taken out, so that the q_l vary slowly. They are known as Legendre series on
-panels of β, which are halved until the series end in nothing.
+The phases of the forces are taken out, so that the q_l vary slowly. They are held as Legendre series on
+panels of β, which are halved until the last terms of the series are small.
 """
 
 from collections.abc import Callable
@@ -22,13 +22,13 @@ from railvib.parameters.vehicle import Train
 _FIRST_PANELS = 16
 _MOST_HALVINGS = 10
 _TAIL = 3.0
-"""Size of a series' last terms over the tolerance, relative to the largest amplitude of its panel.
+"""Largest size of a series' last terms over the tolerance, relative to the largest amplitude of its panel.
 
-They count squared, or where the amplitudes of the axles cancel: no line is then farther off than three
-tolerances in terms of its neighbours, nor a one-third octave than one.
+Amplitudes are squared, and those of the axles may cancel: so no line deviates by more than three tolerances
+of its neighbours, and no one-third octave by more than one tolerance.
 """
 _LOWEST_HZ = 0.005
-"""Below, forces are taken as those of this frequency: a free vehicle has no static receptance."""
+"""Frequency whose forces stand for all below: a free vehicle has no static receptance."""
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,13 @@ class Excitation:
     """q_l(β) for β ≥ 0; at −β it is the conjugate."""
 
     edge: np.ndarray
-    """Edges of the panels, rad/m, ascending from 0, (panels + 1,). Beyond the last there is no excitation."""
+    """Edges of the panels, rad/m, ascending from 0, (panels + 1,); there is no excitation beyond the last."""
     series: np.ndarray
     """Legendre series of q_l, N/√(rad/m), complex (axles, panels, order)."""
     axle_position: np.ndarray
     """α, m, (axles,)."""
     wavenumbers: tuple[float, float] = (0.0, np.inf)
-    """Lowest and highest β of the unevenness, rad/m: edges of panels, where they are inside."""
+    """Lowest and highest β of the unevenness, rad/m; those inside are edges of panels."""
 
     def amplitude_parts(self, phase: np.ndarray) -> np.ndarray:
         """Return phases (lines, axles) times q_l, summed over axles: (2, 2, lines, terms).
@@ -86,7 +86,7 @@ def excitation(
         For studies of convergence: number of parts into which the panels that resolve it are divided.
     """
     per_hz = 2.0 * np.pi / speed
-    # The amplitudes go on beyond the wavelengths at which the unevenness is cut off, smoothly.
+    # The amplitudes continue smoothly beyond the wavelengths at which the unevenness is cut off.
     uncut = unevenness.uncut
 
     def amplitude(beta: np.ndarray) -> np.ndarray:

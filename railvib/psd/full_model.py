@@ -1,20 +1,25 @@
 """The full model: the train moves, and a fixed receiver hears many excitation frequencies at once.
 
-A load P e^{iωt} at α_l + vt has at a fixed point the spectrum S_0 = (1/v) H̃(κ, y, 2πf) e^{iκx} Σ_l P_l(ω)
-e^{−iκα_l} with κ = (ω − 2πf)/v: no inverse transform, only H̃ at the
-receiving frequency, over wavenumber. With β = ω/v = κ + 2πf/v and
+A load P e^{iωt} at α_l + vt has at a fixed point the spectrum
+
+    S_0 = (1/v) H̃(κ, y, 2πf) e^{iκx} Σ_l P_l(ω) e^{−iκα_l},        κ = (ω − 2πf)/v
+
+which takes no inverse transform, only H̃ at the receiving frequency, over wavenumber. With β = ω/v = κ +
+2πf/v and
 
     q_l(β) = P_l(βv) e^{−iβα_l} √S_w(|β|),        A(β, f) = Σ_l q_l(β) e^{2πifα_l/v}
 
 the response is S(f) = (1/(T v²)) ∫ |H̃(κ, f)|² |A(κ + 2πf/v, f)|² dκ over all κ (Eq. 29). The q_l are smooth,
-because the phases of the forces are taken out, and are computed once for every receiving frequency, by
-`railvib.psd.excitation`.
+because the phases of the forces are taken out. `railvib.psd.excitation` computes them once for every
+receiving frequency.
 
 The integral over a panel of κ on which |H̃|² is a polynomial is a weighted sum of its values at the panel's
-nodes. The weights follow from the excitation alone: receivers whose tables share their nodes share them.
+nodes. The weights follow from the excitation alone: receivers whose tables share their nodes share the
+weights.
 """
 
 from collections.abc import Collection, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,14 +32,15 @@ from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import panel_sums
 from railvib.psd._kernels.moments import moments
 from railvib.psd.excitation import Excitation
-from railvib.transfer.intensity import same_nodes, squares
+from railvib.transfer.intensity import Squares, same_nodes, squares
 from railvib.transfer.nodes import Nodes
 from railvib.transfer.tabulate import distance_class
 from railvib.transfer.transfer_function import TransferFunction
 
 _LINES_AT_ONCE = 64
+"""Lines whose weights are computed together."""
 RECEIVERS_AT_ONCE = 8
-"""Whose tables are held at the same time."""
+"""Receivers whose tables are in memory at once."""
 
 
 @threads.limited
@@ -68,35 +74,74 @@ def passage_spectra(
     psd = {receiver: np.empty(frequency.size) for receiver in receivers}
     with cost.stage("passage") as spent:
         weights = _Weights(excited, speed, frequency)
-        ordered = sorted(receivers, key=_turn)
-        for i in range(0, len(ordered), RECEIVERS_AT_ONCE):
-            functions = {each: receivers[each] for each in ordered[i : i + RECEIVERS_AT_ONCE]}
-            groups = [
-                (members, block, own, [squares(functions[each], block) for each in members])
-                for members, block, own in same_nodes(functions, frequency)
-            ]
-            nodes = [functions[members[0]].blocks[block].nodes for members, block, *_ in groups]
-            weights.keep(nodes)
-            for start in range(0, frequency.size, _LINES_AT_ONCE):
-                for (members, block, own, tables), shared in zip(groups, nodes, strict=True):
-                    lines = own[slice(*np.searchsorted(own, [start, start + _LINES_AT_ONCE]))]
+        ordered = sorted(receivers, key=_order)
+        for first_receiver in range(0, len(ordered), RECEIVERS_AT_ONCE):
+            groups = _groups(
+                {
+                    receiver: receivers[receiver]
+                    for receiver in ordered[first_receiver : first_receiver + RECEIVERS_AT_ONCE]
+                },
+                frequency,
+            )
+            weights.discard_all_but({group.nodes for group in groups})
+            for first_line in range(0, frequency.size, _LINES_AT_ONCE):
+                for group in groups:
+                    ends = np.searchsorted(group.lines, [first_line, first_line + _LINES_AT_ONCE])
+                    lines = group.lines[slice(*ends)]
                     if not lines.size:
                         continue
-                    stencils = {
-                        level: blocks.stencils(block, level, frequency[lines])
-                        for level in {each.level for each in tables}
-                    }
-                    panels = [each.panels[stencils[each.level][0]] for each in tables]
-                    weight = weights.at(shared, lines, np.max(panels, axis=0)).reshape(lines.size, -1)
-                    for receiver, each, needed in zip(members, tables, panels, strict=True):
-                        psd[receiver][lines] = panel_sums(*stencils[each.level], each.value, needed, weight)
-                    spent.evaluations += 2 * len(members) * weight.size
-                    spent.kernel_calls += len(members)
-    return {receiver: each / (train_length * speed) for receiver, each in psd.items()}
+                    integrals, evaluations = _integrate(group, lines, frequency[lines], weights)
+                    for receiver, integral in zip(group.receivers, integrals, strict=True):
+                        psd[receiver][lines] = integral
+                    spent.evaluations += evaluations
+                    spent.kernel_calls += len(group.receivers)
+    return {receiver: integral / (train_length * speed) for receiver, integral in psd.items()}
+
+
+class _Group(NamedTuple):
+    """Receivers whose tables have the same nodes in a block."""
+
+    receivers: list[Receiver]
+    block: int
+    nodes: Nodes
+    lines: np.ndarray
+    """Which of the receiving frequencies lie in the block, ascending."""
+    squares: list[Squares]
+    """|H̃|² of each receiver."""
+
+
+def _groups(functions: Mapping[Receiver, TransferFunction], frequency: np.ndarray) -> list[_Group]:
+    return [
+        _Group(
+            members,
+            block,
+            functions[members[0]].blocks[block].nodes,
+            lines,
+            [squares(functions[receiver], block) for receiver in members],
+        )
+        for members, block, lines in same_nodes(functions, frequency)
+    ]
+
+
+def _integrate(
+    group: _Group, lines: np.ndarray, frequency: np.ndarray, weights: "_Weights"
+) -> tuple[list[np.ndarray], int]:
+    """Return ∫ |H̃|² |A|² dκ of each receiver at some lines, (lines,), and how many values that took."""
+    stencils = {
+        level: blocks.stencils(group.block, level, frequency)
+        for level in {squares.level for squares in group.squares}
+    }
+    panels = [squares.panels[stencils[squares.level][0]] for squares in group.squares]
+    weight = weights.at(group.nodes, lines, np.max(panels, axis=0)).reshape(lines.size, -1)
+    integrals = [
+        panel_sums(*stencils[squares.level], squares.value, count, weight)
+        for squares, count in zip(group.squares, panels, strict=True)
+    ]
+    return integrals, 2 * len(integrals) * weight.size
 
 
 class _Weights:
-    """The weights of tables' nodes at receiving frequencies, held for the receivers that share them.
+    """The weights of tables' nodes at receiving frequencies, kept for the receivers that share them.
 
     Parameters
     ----------
@@ -108,13 +153,14 @@ class _Weights:
         self._excited = excited
         self._speed = speed
         self._frequency = frequency
-        self._made: dict[tuple[Nodes, bytes], tuple[np.ndarray, np.ndarray]] = {}
-        """At which panels, and what they are."""
-        self._parts = 0, np.empty(0)
+        self._weights: dict[tuple[Nodes, bytes], tuple[np.ndarray, np.ndarray]] = {}
+        """By nodes and lines: at which panels weights are known, and the weights."""
+        self._amplitude: tuple[int, np.ndarray] | None = None
+        """First line and parts of A, for the last lines asked for."""
 
-    def keep(self, nodes: Collection[Nodes]) -> None:
-        """Let go of all weights but those of some nodes."""
-        self._made = {key: made for key, made in self._made.items() if key[0] in nodes}
+    def discard_all_but(self, nodes: Collection[Nodes]) -> None:
+        """Discard all weights but those of some nodes."""
+        self._weights = {key: weights for key, weights in self._weights.items() if key[0] in nodes}
 
     def at(self, nodes: Nodes, lines: np.ndarray, panels: np.ndarray) -> np.ndarray:
         """Return the weights of the nodes of the first panels, (lines, panels, order).
@@ -124,45 +170,51 @@ class _Weights:
         nodes
             The nodes.
         lines
-            Which frequencies, ascending, of the same `_LINES_AT_ONCE`.
+            Which frequencies, ascending, all among the same `_LINES_AT_ONCE`.
         panels
-            How many are wanted, (lines,).
+            Number of panels wanted, (lines,).
         """
         key = nodes, lines.tobytes()
-        if key not in self._made:
+        if key not in self._weights:
             shape = lines.size, nodes.panel_count
-            self._made[key] = np.zeros(shape, bool), np.zeros((*shape, ORDER))
-        known, weight = self._made[key]
+            self._weights[key] = np.zeros(shape, bool), np.zeros((*shape, ORDER))
+        known, weight = self._weights[key]
         missing = (np.arange(known.shape[1]) < panels[:, None]) & ~known
         if missing.any():
             moment = np.zeros(weight.shape)
-            start = int(lines[0]) // _LINES_AT_ONCE * _LINES_AT_ONCE
-            shift = 2.0 * np.pi * self._frequency[lines] / self._speed
-            edge = nodes.panel_edges(self._frequency[lines])
-            of, limits = self._excited.edge, self._excited.wavenumbers
-            moments(edge, missing, shift, self._turned(start), lines - start, of, *limits, moment)
-            # All together: the last digits of a product may depend on how many rows it has.
-            made = (moment.reshape(-1, ORDER) @ FROM_POWERS).reshape(moment.shape)
+            first = int(lines[0]) // _LINES_AT_ONCE * _LINES_AT_ONCE
+            moments(
+                nodes.panel_edges(self._frequency[lines]),
+                missing,
+                2.0 * np.pi * self._frequency[lines] / self._speed,
+                self._amplitude_parts(first),
+                lines - first,
+                self._excited.edge,
+                *self._excited.wavenumbers,
+                moment,
+            )
+            # All together: the last digits of a product may depend on its number of rows.
+            computed = (moment.reshape(-1, ORDER) @ FROM_POWERS).reshape(moment.shape)
             if known.any():
-                weight[missing] = made[missing]
+                weight[missing] = computed[missing]
             else:
-                weight[:] = made
+                weight[:] = computed
             known |= missing
         return weight
 
-    def _turned(self, start: int) -> np.ndarray:
-        """Return the parts of A for the lines from one on, which receivers with other nodes share."""
-        if not self._parts[1].size or self._parts[0] != start:
-            f = self._frequency[start : start + _LINES_AT_ONCE]
-            turn = turned(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
-            self._parts = start, self._excited.amplitude_parts(turn)
-        return self._parts[1]
+    def _amplitude_parts(self, first: int) -> np.ndarray:
+        """Return the parts of A for the lines from one on; receivers with other nodes need them too."""
+        if self._amplitude is None or self._amplitude[0] != first:
+            f = self._frequency[first : first + _LINES_AT_ONCE]
+            phase = turned(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
+            self._amplitude = first, self._excited.amplitude_parts(phase)
+        return self._amplitude[1]
 
 
-def _turn(receiver: Receiver) -> tuple[float, float]:
-    """Return what receivers are sorted by: class by class, as those of one share their nodes.
+def _order(receiver: Receiver) -> tuple[float, float]:
+    """Return a key that sorts receivers class by class, as those of a class share their nodes.
 
-    The farthest class first, whose tables others, who begin at the track, have read last and may have left at
-    hand; in a class the nearest first, which needs the most panels.
+    The farthest class comes first: whoever computed before began at the track, and may have its tables still
+    in memory. In a class the nearest receiver comes first, which needs the most panels.
     """
     return -distance_class(receiver), receiver.rank

@@ -2,8 +2,9 @@
 
     M(d, f) = (1/π) ∫₀^∞ |H̃(β, f)|² cos(βd) dβ
 
-at the distances d between axles. It depends on neither speed nor forces, and is smooth in frequency: it is
-tabulated on a block's frequencies, as the transfer function is, and interpolated to the narrow-band lines.
+at the distances d between axles. M depends on neither speed nor forces, and is smooth in frequency: it is
+tabulated at the frequencies of blocks, as the transfer function is, and interpolated to the narrow-band
+lines.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -22,10 +23,12 @@ from railvib.psd._kernels.averages import add_cosine_integrals
 from railvib.transfer.intensity import same_nodes, squared, squared_at
 from railvib.transfer.transfer_function import TransferFunction
 
-_AT_ONCE = 64
+_LINES_AT_ONCE = 64
+"""Lines whose |H̃|² is in memory at once."""
 _CHECKS = 5
+"""Places between the frequencies of a level at which interpolation is checked."""
 _SHARE = 0.1
-"""Of the tolerance, what interpolation between the frequencies may take."""
+"""Share of the tolerance that interpolation between the frequencies may take."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +74,15 @@ class LineIntegrals:
 def line_integrals(
     receivers: Mapping[Receiver, TransferFunction],
     distances: npt.ArrayLike,
-    which: Iterable[int],
+    block_range: Iterable[int],
     tolerance: float = 1e-4,
     refinement: int = 1,
 ) -> dict[Receiver, LineIntegrals]:
     """Tabulate M(d, f) of some receivers.
 
-    Each takes in each block the first level from that of its transfer function on at which interpolation
-    passes a check half-way between the frequencies; none depends on which others were asked for.
+    In each block a receiver takes the first level, from that of its transfer function on, at which
+    interpolation passes a check half-way between the frequencies. No result depends on which other receivers
+    are asked for.
 
     Parameters
     ----------
@@ -86,7 +90,7 @@ def line_integrals(
         The receivers' transfer functions.
     distances
         Distances d ≥ 0 between axles, m, ascending from 0.
-    which
+    block_range
         Indices of the blocks, ascending, see `railvib.numerics.frequency_blocks`; the transfer functions are
         tabulated there.
     tolerance
@@ -96,7 +100,7 @@ def line_integrals(
     """
     d = np.asarray(distances, float)
     tabulated: dict[Receiver, list[_Block]] = {receiver: [] for receiver in receivers}
-    for block in which:
+    for block in block_range:
         for receiver, table in _block(receivers, d, block, tolerance, int(np.log2(refinement))).items():
             tabulated[receiver].append(table)
     grids: dict[tuple[int, ...], LineGrid] = {}
@@ -140,7 +144,7 @@ def _block(
     }
 
     def tabulate(level: int, pending: Sequence[Receiver]) -> Callable[[Receiver, bool], tuple[_Block, bool]]:
-        # Together, as receivers share their nodes, and so much of the work.
+        # All together: receivers that share their nodes share much of the work.
         ks, halfway = blocks.indices(block, level), blocks.halfway(block, level, _CHECKS)
         f, between = blocks.frequency(level, ks), blocks.frequency(level + 1, halfway)
         values = _at_level(
@@ -171,16 +175,17 @@ def _at_level(
     ks: np.ndarray,
     halfway: np.ndarray,
 ) -> dict[Receiver, np.ndarray]:
-    """Return M(d, f) at frequencies of a level and then at some of the next, (n, distances)."""
+    """Return M(d, f) at frequencies of a level and, after them, at some of the next, (n, distances)."""
     f = np.concatenate([blocks.frequency(level, ks), blocks.frequency(level + 1, halfway)])
     integral: dict[Receiver, np.ndarray] = {}
     with cost.stage("line integrals") as spent:
         for members, _block, _all in same_nodes(receivers, f):
             value = np.empty((len(members), f.size, receivers[members[0]].blocks[block].transfer.shape[1]))
-            for out, each in zip(value, members, strict=True):
-                squared_at(receivers[each], block, level, ks, out[: ks.size])
-                squared_at(receivers[each], block, level + 1, halfway, out[ks.size :])
-                receivers[each].blocks[block].discard_reduced()
+            for out, receiver in zip(value, members, strict=True):
+                function = receivers[receiver]
+                squared_at(function, block, level, ks, out[: ks.size])
+                squared_at(function, block, level + 1, halfway, out[ks.size :])
+                function.blocks[block].discard_reduced()
             edge = receivers[members[0]].blocks[block].nodes.panel_edges(f)
             integral |= zip(members, _integrals(edge, value, distance), strict=True)
             spent.evaluations += value.size
@@ -188,12 +193,12 @@ def _at_level(
     return integral
 
 
-def directly(
+def direct_line_integrals(
     receivers: Mapping[Receiver, TransferFunction],
     distances: npt.ArrayLike,
     frequency: npt.ArrayLike,
 ) -> dict[Receiver, np.ndarray]:
-    """Return M(d, f) of some receivers, computed at the frequencies themselves.
+    """Return M(d, f) of some receivers, integrated at the frequencies themselves.
 
     Parameters
     ----------
@@ -213,14 +218,13 @@ def directly(
     d = np.asarray(distances, float)
     integral = {receiver: np.empty((f.size, d.size)) for receiver in receivers}
     with cost.stage("line integrals") as spent:
-        for start in range(0, f.size, _AT_ONCE):
-            here = np.arange(start, min(start + _AT_ONCE, f.size))
-            for members, block, own in same_nodes(receivers, f[here]):
-                rows = here[own]
-                value = squared([receivers[each] for each in members], block, f[rows])
-                edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[rows])
-                for receiver, each in zip(members, _integrals(edge, value, d), strict=True):
-                    integral[receiver][rows] = each
+        for start in range(0, f.size, _LINES_AT_ONCE):
+            for members, block, inside in same_nodes(receivers, f[start : start + _LINES_AT_ONCE]):
+                lines = start + inside
+                value = squared([receivers[receiver] for receiver in members], block, f[lines])
+                edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[lines])
+                for receiver, rows in zip(members, _integrals(edge, value, d), strict=True):
+                    integral[receiver][lines] = rows
                 spent.evaluations += value.size
                 spent.kernel_calls += len(members)
     return integral
@@ -228,7 +232,7 @@ def directly(
 
 def _integrals(edge: np.ndarray, value: np.ndarray, distance: np.ndarray) -> np.ndarray:
     """Return M from |H̃|² on nodes, (receivers, lines, node): (receivers, lines, distances)."""
-    found = np.zeros((value.shape[1], value.shape[0], distance.size))
-    sine = np.zeros((value.shape[0], distance.size))
-    add_cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), distance, found, sine)
-    return found.swapaxes(0, 1) / np.pi
+    integral = np.zeros((value.shape[1], value.shape[0], distance.size))
+    scratch = np.zeros((value.shape[0], distance.size))
+    add_cosine_integrals(edge, value.reshape(*value.shape[:2], -1, ORDER), distance, integral, scratch)
+    return integral.swapaxes(0, 1) / np.pi

@@ -1,11 +1,11 @@
-"""The moving-roughness approach: the train stands, the roughness is pulled through under its wheels.
+"""The moving-roughness approach: the train stands, and the roughness is pulled through under its wheels.
 
 Averaged over the whole line, the response to forces P_l needs the transfer function only through
 
     M(d, f) = (1/π) ∫₀^∞ |H̃(β, f)|² cos(βd) dβ
 
-at the distances d between axles (Parseval): independent of speed, and computed once for every speed and both
-forms of the approach.
+at the distances d between axles (Parseval). M does not depend on speed: it is computed once for every speed
+and every form of the approach.
 """
 
 from collections.abc import Mapping
@@ -16,8 +16,8 @@ from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import add_force_products
 
 
-def spans(axle_position: np.ndarray) -> np.ndarray:
-    """Return the distances between any two axles at α, each once, ascending from 0, m."""
+def axle_spans(axle_position: np.ndarray) -> np.ndarray:
+    """Return the distinct distances between axles at α, ascending from 0, m."""
     return np.unique(np.round(np.abs(axle_position[:, None] - axle_position[None, :]), 9))
 
 
@@ -35,13 +35,13 @@ def axle_pairs(integral: np.ndarray, distance: np.ndarray, axle_position: np.nda
 
 
 def _columns(distance: np.ndarray, axle_position: np.ndarray) -> np.ndarray:
-    """Return which of ascending distances every two axles have, (axles, axles)."""
+    """Return the index among ascending distances of that between every two axles, (axles, axles)."""
     between = np.round(np.abs(axle_position[:, None] - axle_position[None, :]), 9)
     return np.asarray(np.searchsorted(distance, between - 1e-8))
 
 
 def products(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Return ∫ u_p* u_q dx of the displacements that several sets of forces make.
+    """Return ∫ u_p* u_q dx of the displacements by several sets of forces.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def line_means(
     axle_position: np.ndarray,
     force: np.ndarray,
 ) -> dict[Receiver, np.ndarray]:
-    """Return ∫ |u|² dx over the whole line of the displacements that sets of forces make, each alone.
+    """Return ∫ |u|² dx over the whole line, summed over the displacements by each set of forces alone.
 
     Parameters
     ----------
@@ -88,19 +88,19 @@ def line_means(
 
     Notes
     -----
-    M is real and even, so that only the real part of the forces' products counts, summed by distance.
+    M is real and even, so only the real part of the forces' products counts, summed by distance.
     """
     parts = np.ascontiguousarray(force, complex).view(float)
-    summed = np.zeros((force.shape[0], distance.size))
-    add_force_products(parts, _columns(distance, axle_position), summed)
+    product = np.zeros((force.shape[0], distance.size))
+    add_force_products(parts, _columns(distance, axle_position), product)
     return {
-        receiver: np.asarray(np.einsum("fd,fd->f", integral, summed))
+        receiver: np.asarray(np.einsum("fd,fd->f", integral, product))
         for receiver, integral in integrals.items()
     }
 
 
 def _responses(pairs: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Return Σ_m pairs_lm P_mp; real integrals are spared the arithmetic of complex ones."""
+    """Return Σ_m pairs_lm P_mp, with real arithmetic where the integrals are real."""
     if np.isrealobj(pairs):
         return np.asarray(pairs @ np.ascontiguousarray(force).view(float)).view(complex)
     return np.asarray(pairs @ force)

@@ -1,4 +1,4 @@
-"""The quasi-static response: that of a fixed point to the axle loads that move past it.
+"""The quasi-static response: the response of a fixed point to the axle loads that move past it.
 
 It depends on neither unevenness nor approach: |S_0(f; 0)|²·2/T, with κ = −2πf/v.
 """
@@ -76,10 +76,10 @@ def quasi_static_spectra(
     return psd
 
 
-def highest_left(ground: Ground, track: Track, receiver: Receiver, speed: float) -> float:
-    """Return the frequency in Hz above which nothing is left of the response to loads at a speed in m/s.
+def highest_quasi_static_frequency(ground: Ground, track: Track, receiver: Receiver, speed: float) -> float:
+    """Return the frequency above which the response to loads at a speed in m/s is negligible, Hz.
 
-    Infinite for loads that a wave can follow, and where there is no way to the receiver.
+    Infinite for loads that a wave can follow, and for receivers at which waves need not travel.
     """
     distance = receiver.distance(track.half_width)
     if TOP * speed >= ground.slowest_speed:

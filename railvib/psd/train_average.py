@@ -1,4 +1,4 @@
-"""The moving roughness averaged over the length of the train (Eq. 26), as the paper prints it.
+"""Moving roughness averaged over the length of the train (Eq. 26), as the paper prints it.
 
     S̄ = (1/L) ∫_{α_1}^{α_M} S dx
 
@@ -20,8 +20,10 @@ from railvib.transfer.transfer_function import TransferFunction
 
 _COARSEST_STEP = 0.25
 _STEPS_PER_WAVELENGTH = 7.0
+"""Coarsest step of the grid, m, and its fewest steps in the shortest wavelength."""
 _POINTS_PER_WAVELENGTH = 5.0
 _FEWEST_POINTS = 10
+"""Points of the quadrature between two axles: per shortest wavelength, and in addition."""
 
 
 @dataclass(frozen=True)
@@ -56,18 +58,18 @@ def train_integrals(
     """
     f = np.asarray(frequency, float)
     integral = np.empty((f.size, axle_position.size, axle_position.size), complex)
-    which = blocks.assigned(f, receiver.blocks)
+    block_of = blocks.assigned(f, receiver.blocks)
     with cost.stage("train integrals") as spent:
-        for block in np.unique(which):
+        for block in np.unique(block_of):
             table = receiver.blocks[int(block)]
-            here = which == block
-            wavelength = TOP / (float(f[here].max()) * table.nodes.top_slowness)
+            inside = block_of == block
+            wavelength = TOP / (float(f[inside].max()) * table.nodes.top_slowness)
             x, weight = _points(axle_position, wavelength)
             step = min(_COARSEST_STEP, wavelength / _STEPS_PER_WAVELENGTH)
             grid = step * np.arange(int(np.ceil(np.ptp(axle_position) / step)) + 5)
-            _beta, transfer = receiver.at(int(block), f[here])
-            integral[here] = axle_products(
-                table.nodes.panel_edges(f[here]),
+            _beta, transfer = receiver.at(int(block), f[inside])
+            integral[inside] = axle_products(
+                table.nodes.panel_edges(f[inside]),
                 np.stack([transfer.real, transfer.imag], axis=1).reshape(transfer.shape[0], 2, -1, ORDER),
                 grid,
                 np.abs(x[:, None] - axle_position) / step,
@@ -80,7 +82,7 @@ def train_integrals(
 
 def _points(axle_position: np.ndarray, wavelength: float) -> tuple[np.ndarray, np.ndarray]:
     """Return Gauss–Legendre points and weights between the axles, where the response has its kinks."""
-    from scipy.special import roots_legendre  # slow to import, and seldom needed
+    from scipy.special import roots_legendre  # slow to import, and rarely needed
 
     points, weights = [], []
     for low, high in zip(axle_position[:-1], axle_position[1:], strict=True):

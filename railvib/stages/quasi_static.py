@@ -8,7 +8,7 @@ import numpy as np
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import third_octaves
 from railvib.parameters.receiver import Receiver
-from railvib.psd.quasi_static import QuasiStatic, highest_left, quasi_static_spectra
+from railvib.psd.quasi_static import QuasiStatic, highest_quasi_static_frequency, quasi_static_spectra
 from railvib.psd.spectra import lines
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage
 from railvib.stages.stage import FLOAT, Load, Scope, Stage
@@ -52,7 +52,7 @@ class QuasiStaticResponse(ModelStage):
     def _tables(self, receiver: Receiver) -> tuple[Stage, ...]:
         """Return a receiver's tables as far up as something is left of its response."""
         lower, upper = third_octaves.edges(self.band)
-        highest = highest_left(self.ground, self.track, receiver, self.speed)
+        highest = highest_quasi_static_frequency(self.ground, self.track, receiver, self.speed)
         # One block at least: without any, a transfer function cannot return zero.
         top = min(upper[-1], max(highest, upper[0]))
         return receiver_tables(self, receiver, blocks.covering(float(lower[0]), float(top)))

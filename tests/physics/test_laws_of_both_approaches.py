@@ -15,8 +15,8 @@ from railvib.parameters.units import KMH
 from railvib.parameters.vehicle import Train
 from railvib.psd.excitation import excitation, resolve
 from railvib.psd.full_model import passage_spectra
-from railvib.psd.line_integrals import directly, line_integrals
-from railvib.psd.moving_roughness import axle_pairs, products, spans
+from railvib.psd.line_integrals import direct_line_integrals, line_integrals
+from railvib.psd.moving_roughness import axle_pairs, axle_spans, products
 from railvib.psd.moving_roughness_spectra import moving_roughness_spectra
 from railvib.psd.quasi_static import quasi_static_spectra
 from railvib.psd.spectra import Passage, line_step, lines
@@ -33,8 +33,8 @@ own frequency.
 
 def line_products(transfer, axle_position, f, force):
     """Return ∫ u_p* u_q dx over the whole line, of several sets of forces (lines, axles, sets)."""
-    d = spans(axle_position)
-    integral = directly({"here": transfer}, d, f)["here"]
+    d = axle_spans(axle_position)
+    integral = direct_line_integrals({"here": transfer}, d, f)["here"]
     return products(axle_pairs(integral, d, axle_position), force)
 
 
@@ -59,12 +59,12 @@ def standing(functions, track, train):
 def test_no_receiver_depends_on_the_others(functions, train):
     """Computed together or alone, to the last bit: results are kept by receiver, in any company."""
     f = np.array([2.5, 9.0, 21.0])
-    d = spans(train.axle_positions)
-    together = directly(functions, d, f)
+    d = axle_spans(train.axle_positions)
+    together = direct_line_integrals(functions, d, f)
     tabulated = line_integrals(functions, d, range(1, 3), 1e-5)
     for each in RECEIVERS:
         only = {each: functions[each]}
-        np.testing.assert_array_equal(together[each], directly(only, d, f)[each])
+        np.testing.assert_array_equal(together[each], direct_line_integrals(only, d, f)[each])
         alone = line_integrals(only, d, range(1, 3), 1e-5)[each]
         np.testing.assert_array_equal(tabulated[each].integral, alone.integral)
         np.testing.assert_array_equal(tabulated[each].grid.level, alone.grid.level)
@@ -73,9 +73,10 @@ def test_no_receiver_depends_on_the_others(functions, train):
 @pytest.mark.parametrize("receiver", RECEIVERS)
 def test_tabulated_line_integrals_are_those_computed_at_the_lines(receiver, functions, train):
     """Interpolated between the frequencies of a table, at every axle distance; the tolerance is 1e-4."""
-    d, f = spans(train.axle_positions), np.linspace(1.13, 35.4, 301)
+    d, f = axle_spans(train.axle_positions), np.linspace(1.13, 35.4, 301)
     only = {receiver: functions[receiver]}
-    tabulated, direct = line_integrals(only, d, range(3))[receiver], directly(only, d, f)[receiver]
+    tabulated = line_integrals(only, d, range(3))[receiver]
+    direct = direct_line_integrals(only, d, f)[receiver]
     assert np.all(np.abs(tabulated.at(f) - direct) < 3e-5 * direct[:, :1])
     assert np.all(tabulated.interpolation_error <= 1e-5)
 
@@ -83,7 +84,7 @@ def test_tabulated_line_integrals_are_those_computed_at_the_lines(receiver, func
 def test_by_axle_equals_all_together(functions, standing, train):
     """Law 1: Eq. 27 with its cross terms is Eq. 23, to rounding."""
     midband = third_octaves.midbands(2.0, 25.0)
-    d = spans(train.axle_positions)
+    d = axle_spans(train.axle_positions)
     integrals = line_integrals(functions, d, range(3))
     passage = Passage(train, ROUGH, SPEED, tuple(midband.tolist()))
     still = quasi_static_spectra(

@@ -1,8 +1,8 @@
 """Moments of the full model's excitation over the panels of the tables' wavenumbers.
 
-Over a panel of |κ|, x from −1 to 1 on it, ∫ |A(κ + shift)|² xⁿ dκ on both sides, κ > 0 and κ < 0. A is a
-polynomial on panels of its own, in |β| = |κ + shift|; both kinds of panels cut each other into parts, each of
-which has a few Gauss–Legendre nodes, one for each number in a vector register.
+The moments of a panel of |κ| are ∫ |A(κ + shift)|² xⁿ dκ over both sides, κ > 0 and κ < 0, with x from −1 to
+1 on the panel. A is a polynomial on panels of |β| = |κ + shift|. The two kinds of panels cut each other into
+parts, each of which has a few Gauss–Legendre nodes, one for each number in a vector register.
 """
 
 import numpy as np
@@ -13,9 +13,9 @@ from railvib.numerics.wavenumber_panels import ORDER
 
 _NODES = 8
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(_NODES)
-"""Nodes of a part: fewer than a panel's, as parts are small against one of their two panels."""
+"""Nodes of a part: fewer than a panel's, as a part is small against one of its two panels."""
 _LONGEST_PART = 1.25
-"""Sum of a part's shares in its panels of κ and β up to which these nodes resolve what is integrated."""
+"""Largest sum of a part's shares in its panels of κ and β for which these nodes resolve the integrand."""
 _add_square_moments = square_moments(ORDER, _NODE.tolist(), _WEIGHT.tolist())
 
 
@@ -28,7 +28,7 @@ def moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest, out):
     edge
         The panels' edges, (lines, panels + 1), rad/m.
     wanted
-        At which panels, (lines, panels).
+        Whether the moments of each panel are wanted, (lines, panels).
     shift
         2πf/v, (lines,), rad/m.
     parts, rows
@@ -37,9 +37,9 @@ def moments(edge, wanted, shift, parts, rows, beta_edge, lowest, highest, out):
     beta_edge
         Edges of the excitation's panels, rad/m.
     lowest, highest
-        Of |κ + shift|, rad/m: nothing excites beyond.
+        Limits of |κ + shift|, rad/m, beyond which there is no excitation.
     out
-        Where the moments are written; left as it is at other panels.
+        Where the moments are written; other panels are left unchanged.
     """
     lines, panels = wanted.shape
     terms = parts.shape[3]
@@ -109,9 +109,9 @@ def _sum_nodes(sums, out):
 
 @inline
 def _excited_panel(edge, kappa, side, shift, tiny, below):
-    """Return on which panel of |β| the part begins that starts at |κ|, if β < 0 there, and where it ends.
+    """Return the panel of |β| on which the part from |κ| on lies, whether β < 0 there, and where it ends.
 
-    Last comes the number of edges below, from which the next search sets out: parts follow one another.
+    The fourth value is the number of edges below, where the next search begins: parts follow one another.
     """
     beta = side * kappa + shift
     if side > 0.0:

@@ -86,7 +86,7 @@ def test_the_change_of_sign_outlasts_the_waves(rail, track):
     load = Load(rail, track, 25.0, np.array([-2000.0, -1500.0, 1500.0, 2000.0]))
     f = np.array([8.0, 20.0])
     found = receptances(rail, track, load.speed, load.distance, f, 1e-8)
-    np.testing.assert_allclose(load.dragged(f) / found, 1.0, atol=0.05)
+    np.testing.assert_allclose(load.sign_change(f) / found, 1.0, atol=0.05)
 
 
 def test_blocks_together_are_those_alone(rail, track):

@@ -8,8 +8,8 @@ import pytest
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.vehicle import Train
-from railvib.psd.line_integrals import directly
-from railvib.psd.moving_roughness import axle_pairs, products, spans
+from railvib.psd.line_integrals import direct_line_integrals
+from railvib.psd.moving_roughness import axle_pairs, axle_spans, products
 from railvib.psd.train_average import train_integrals
 
 SOFT = Ground(layers=[Layer(shear_speed=120.0, dilatational_speed=300.0, density=1800.0, loss_factor=0.1)])
@@ -53,8 +53,8 @@ def test_less_than_over_the_line(receiver, functions, vehicle):
     over_train = products(
         train_integrals(functions[receiver], train.axle_positions, FREQUENCY).integral, force
     )
-    d = spans(train.axle_positions)
-    integral = directly({receiver: functions[receiver]}, d, FREQUENCY)[receiver]
+    d = axle_spans(train.axle_positions)
+    integral = direct_line_integrals({receiver: functions[receiver]}, d, FREQUENCY)[receiver]
     over_line = products(axle_pairs(integral, d, train.axle_positions), force)
     assert np.all(over_train[:, 0, 0].real > 0.0)
     assert np.all(over_train[:, 0, 0].real < over_line[:, 0, 0].real)
