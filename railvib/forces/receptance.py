@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from railvib import cost
 from railvib.forces.rail_integrals import rail_integrals
-from railvib.forces.smooth_receptance import Load, Reduced, smoothest
+from railvib.forces.smooth_receptance import Load, Reduced, remove_fast_phases
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.refinement import search_level, search_levels
 from railvib.parameters.track import Track
@@ -75,7 +75,7 @@ class Receptances:
         return blocks.across(self.block, self.level, above, self.receptance)
 
 
-def tabulated_receptances(
+def tabulate_receptances(
     rail: TransferFunction,
     track: Track,
     speed: float,
@@ -152,7 +152,7 @@ class _Samples:
         def check(block: int, _required: bool) -> tuple[tuple[Reduced, float], bool]:
             between = blocks.frequency(level + 1, halfway[block])
             direct = self._at(level + 1, halfway[block])
-            reduced, error = smoothest(
+            reduced, error = remove_fast_phases(
                 self._load, block, level, self.tabulated(block, level), between, direct, good_enough
             )
             return (reduced, error), error <= good_enough

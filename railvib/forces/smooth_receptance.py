@@ -88,7 +88,7 @@ class Reduced(NamedTuple):
         return np.asarray(self.without_sign_change(frequency) + self.load.sign_change(frequency))
 
 
-def smoothest(
+def remove_fast_phases(
     load: Load,
     block: int,
     level: int,

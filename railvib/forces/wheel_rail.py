@@ -138,7 +138,7 @@ def _layout(train: Train) -> _Layout:
     )
 
 
-def arrivals(train: Train, frequency: np.ndarray, speed: float) -> np.ndarray:
+def axle_phases(train: Train, frequency: np.ndarray, speed: float) -> np.ndarray:
     """Return w̃_l = e^{iβα_l} with β = ω/v (Eq. 20, 21), shape (frequencies, axles)."""
     return turned(2.0 * np.pi / speed * frequency[:, None] * train.axle_positions)
 

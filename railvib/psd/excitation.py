@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from railvib.forces.receptance import Receptances
-from railvib.forces.wheel_rail import arrivals, axle_forces
+from railvib.forces.wheel_rail import axle_forces, axle_phases
 from railvib.numerics.refinement import Panels, divide, halve
 from railvib.numerics.wavenumber_panels import ORDER, TO_POWERS, to_legendre
 from railvib.parameters.unevenness import Unevenness
@@ -91,7 +91,7 @@ def excitation(
 
     def amplitude(beta: np.ndarray) -> np.ndarray:
         frequency = np.maximum(beta / per_hz, _LOWEST_HZ)
-        phase = arrivals(train, frequency, speed)
+        phase = axle_phases(train, frequency, speed)
         force = axle_forces(train, moving, frequency, phase)
         return np.asarray(force * phase.conj() * np.sqrt(uncut.psd(frequency * per_hz))[:, None])
 

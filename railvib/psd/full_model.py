@@ -32,7 +32,7 @@ from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import panel_sums
 from railvib.psd._kernels.moments import moments
 from railvib.psd.excitation import Excitation
-from railvib.transfer.intensity import Squares, same_nodes, squares
+from railvib.transfer.intensity import Squares, group_by_nodes, squares
 from railvib.transfer.nodes import Nodes
 from railvib.transfer.tabulate import distance_class
 from railvib.transfer.transfer_function import TransferFunction
@@ -119,7 +119,7 @@ def _groups(functions: Mapping[Receiver, TransferFunction], frequency: np.ndarra
             lines,
             [squares(functions[receiver], block) for receiver in members],
         )
-        for members, block, lines in same_nodes(functions, frequency)
+        for members, block, lines in group_by_nodes(functions, frequency)
     ]
 
 

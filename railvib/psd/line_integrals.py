@@ -20,7 +20,7 @@ from railvib.numerics.refinement import search_levels
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import add_cosine_integrals
-from railvib.transfer.intensity import same_nodes, squared, squared_at
+from railvib.transfer.intensity import group_by_nodes, interpolate_squares, squares_at_level
 from railvib.transfer.transfer_function import TransferFunction
 
 _LINES_AT_ONCE = 64
@@ -179,12 +179,12 @@ def _at_level(
     f = np.concatenate([blocks.frequency(level, ks), blocks.frequency(level + 1, halfway)])
     integral: dict[Receiver, np.ndarray] = {}
     with cost.stage("line integrals") as spent:
-        for members, _block, _all in same_nodes(receivers, f):
+        for members, _block, _all in group_by_nodes(receivers, f):
             value = np.empty((len(members), f.size, receivers[members[0]].blocks[block].transfer.shape[1]))
             for out, receiver in zip(value, members, strict=True):
                 function = receivers[receiver]
-                squared_at(function, block, level, ks, out[: ks.size])
-                squared_at(function, block, level + 1, halfway, out[ks.size :])
+                squares_at_level(function, block, level, ks, out[: ks.size])
+                squares_at_level(function, block, level + 1, halfway, out[ks.size :])
                 function.blocks[block].discard_reduced()
             edge = receivers[members[0]].blocks[block].nodes.panel_edges(f)
             integral |= zip(members, _integrals(edge, value, distance), strict=True)
@@ -219,9 +219,9 @@ def direct_line_integrals(
     integral = {receiver: np.empty((f.size, d.size)) for receiver in receivers}
     with cost.stage("line integrals") as spent:
         for start in range(0, f.size, _LINES_AT_ONCE):
-            for members, block, inside in same_nodes(receivers, f[start : start + _LINES_AT_ONCE]):
+            for members, block, inside in group_by_nodes(receivers, f[start : start + _LINES_AT_ONCE]):
                 lines = start + inside
-                value = squared([receivers[receiver] for receiver in members], block, f[lines])
+                value = interpolate_squares([receivers[receiver] for receiver in members], block, f[lines])
                 edge = receivers[members[0]].blocks[block].nodes.panel_edges(f[lines])
                 for receiver, rows in zip(members, _integrals(edge, value, d), strict=True):
                     integral[receiver][lines] = rows

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railvib import cost
-from railvib.forces.wheel_rail import arrivals, axle_numbers
+from railvib.forces.wheel_rail import axle_numbers, axle_phases
 from railvib.numerics import third_octaves, threads
 from railvib.parameters.approach import Approach
 from railvib.parameters.receiver import Receiver
@@ -137,7 +137,7 @@ class Passage:
     @cached_property
     def phase(self) -> np.ndarray:
         """Phases of the unevenness at the axles (Eq. 20, 21), complex (n, axles)."""
-        return arrivals(self.train, self.frequency, self.speed)
+        return axle_phases(self.train, self.frequency, self.speed)
 
 
 def assemble(

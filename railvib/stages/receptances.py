@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from railvib.forces.receptance import Receptances, highest_tabulated_frequency, tabulated_receptances
+from railvib.forces.receptance import Receptances, highest_tabulated_frequency, tabulate_receptances
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.receiver import RAIL
 from railvib.stages.model_stage import ModelStage
@@ -48,7 +48,7 @@ class RailReceptances(ModelStage):
 
     def compute(self, load: Load) -> Receptances:
         """Tabulate the receptances."""
-        return tabulated_receptances(
+        return tabulate_receptances(
             transfer_function(self.needs(), self.track, load),
             self.track,
             self.speed,

@@ -39,7 +39,7 @@ class Evaluation:
         self.failed: set[float] = set()
 
     def row(self, receiver: Receiver) -> int:
-        """Return the row of a receiver in what a call returns."""
+        """Return the row that holds a receiver in the result of a call."""
         return 0 if receiver.offset is None else 1 + int(np.searchsorted(self.offsets, receiver.offset))
 
     def __call__(self, level: int, k: int, beta: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ _NEGLIGIBLE = 1e-16
 """Share of ∫ |H̃|² below which a panel is skipped: no excitation is stronger than another by that much."""
 
 
-def same_nodes(
+def group_by_nodes(
     receivers: Mapping[Receiver, TransferFunction], frequency: np.ndarray
 ) -> Iterator[tuple[list[Receiver], int, np.ndarray]]:
     """Yield receivers whose tables have the same nodes, their block, and which frequencies lie in it."""
@@ -106,7 +106,9 @@ def _error(
     return float((np.abs(blocks.combined(*stencils, rows) - direct) / size).max())
 
 
-def squared(functions: Sequence[TransferFunction], block: int, frequency: np.ndarray) -> np.ndarray:
+def interpolate_squares(
+    functions: Sequence[TransferFunction], block: int, frequency: np.ndarray
+) -> np.ndarray:
     """Return |H̃|² of receivers whose tables have the same nodes, at other frequencies of a block.
 
     Parameters
@@ -149,7 +151,7 @@ def squares(function: TransferFunction, block: int) -> Squares:
     table = function.blocks[block]
     if function.track not in table.derived:
         ks = blocks.indices(block, table.square_level)
-        value = squared_at(function, block, table.square_level, ks)
+        value = squares_at_level(function, block, table.square_level, ks)
         edge = table.nodes.panel_edges(blocks.frequency(table.square_level, ks))
         table.derived[function.track] = Squares(table.square_level, value, _panel_counts(edge, value))
         table.discard_reduced()
@@ -165,7 +167,7 @@ def _panel_counts(edge: np.ndarray, value: np.ndarray) -> np.ndarray:
     return np.asarray(sliding_window_view(count, STENCIL).max(axis=1))
 
 
-def squared_at(
+def squares_at_level(
     function: TransferFunction, block: int, level: int, ks: np.ndarray, out: np.ndarray | None = None
 ) -> np.ndarray:
     """Return |H̃|² at some frequencies of a level, from the table's own on, (ks, node).
@@ -211,7 +213,7 @@ def _evaluate(table: TransferBlock, track: Track | None, frequency: np.ndarray) 
         omega,
         table.node_slowness,
         table.distance,
-        table.last(frequency),
+        table.reach(frequency),
         value,
     )
     return value

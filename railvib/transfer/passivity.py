@@ -36,8 +36,10 @@ def nonpassive_ranges(
     lowest, highest
         Frequencies between which they are sought, Hz; ranges end there at the latest.
 
-    Notes ----- CONVENTIONS sections 2 and 7.4. Twelve frequencies per octave are tried, and the ends of
-    ranges found to 0.1 %.
+    Notes
+    -----
+    docs/conventions.md sections 2 and 7.4. Twelve frequencies per octave are tried, and the ends of ranges
+    are found to 0.1 %.
     """
     if highest <= _passive_up_to(ground, track):
         return []

@@ -44,7 +44,7 @@ class Samples:
         self._rows: dict[tuple[int, bytes], list[dict[Receiver, np.ndarray]]] = {}
 
     def evaluate(self, level: int, ks: np.ndarray, receivers: Sequence[Receiver]) -> None:
-        """Compute what is missing of receivers, and of the centre line, at frequencies of a level."""
+        """Compute missing values of receivers, and of the centre line, at frequencies of a level."""
         missing_at: dict[tuple[Receiver, ...], list[int]] = {}
         for k in map(int, ks):
             known = self._known.setdefault(_coarsest(level, k), {})

@@ -169,10 +169,10 @@ class TransferBlock:
         return {}
 
     def reduced(self, track: Track | None) -> np.ndarray:
-        """Return what is interpolated: the receiver's compliance without the reference waves' decay.
+        """Return the function to be interpolated: the receiver's compliance without the waves' decay.
 
-        Without the track, or where the table holds no compliance, the transfer function without it. It is
-        kept with the table, which many cases share.
+        Without a track, or where the table holds no compliance, it is the transfer function without that
+        decay. It is kept with the table, which many cases share.
         """
         if track not in self._reduced:
             value = np.empty(self.transfer.shape, complex)
@@ -190,7 +190,7 @@ class TransferBlock:
         return self._reduced[track]
 
     def discard_reduced(self) -> None:
-        """Discard what is interpolated: it takes as much memory as the table, and little time to compute."""
+        """Discard the functions to be interpolated, which take as much memory as the table."""
         self._reduced.clear()
 
     @property
@@ -200,7 +200,7 @@ class TransferBlock:
 
     @cached_property
     def derived(self) -> dict[Any, Any]:
-        """What other modules derive from the table, kept for the cases that share it."""
+        """Quantities that other modules derive from the table, kept for the cases that share it."""
         return {}
 
     def part(self, first: int, last: int) -> "TransferBlock":
@@ -212,13 +212,13 @@ class TransferBlock:
             reference_slowness=self.reference_slowness[first : last + 1],
         )
 
-    def last(self, frequency: np.ndarray) -> np.ndarray:
+    def reach(self, frequency: np.ndarray) -> np.ndarray:
         """Return the wavenumbers beyond which the field is negligible at frequencies in Hz, rad/m."""
         carried = 2.0 * np.pi * frequency * self.nodes.top_slowness
         return np.asarray(np.maximum(negligible_beyond(self.distance), carried))
 
     def shortfall(self, tolerance: float) -> str | None:
-        """Return what to say where the table misses a tolerance, else None."""
+        """Return a message if the table misses a tolerance, else None."""
         if self.interpolation_error <= tolerance:
             return None
         low, high = blocks.edges(self.block)

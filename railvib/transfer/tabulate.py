@@ -99,14 +99,14 @@ def transfer_blocks_by_class(
         classes.setdefault(distance_class(receiver), set()).add(receiver)
     for reach, members in sorted(classes.items()):
         nodes = resolve_nodes(model(fits, track, (0.0, reach), tolerance), tolerance, refinement)
-        receiver_class = _Class(compliance_error(fits, track, reach, tolerance))
+        receiver_class = _ReceiverClass(compliance_error(fits, track, reach, tolerance))
         ordered = sorted(members, key=lambda receiver: receiver.rank)
         for first in range(0, len(ordered), VALUES_AT_ONCE):
             samples = Samples(model, fits, track, nodes, tolerance)
             yield from _tables(samples, ordered[first : first + VALUES_AT_ONCE], receiver_class, refinement)
 
 
-class _Class:
+class _ReceiverClass:
     """What the tables of a class share, and their check, at each level."""
 
     def __init__(self, compliance_error: float) -> None:
@@ -166,7 +166,7 @@ def _rational_form(fits: GroundFits, level: int, ks: np.ndarray) -> dict[str, np
 
 
 def _tables(
-    samples: Samples, receivers: Sequence[Receiver], receiver_class: _Class, refinement: int
+    samples: Samples, receivers: Sequence[Receiver], receiver_class: _ReceiverClass, refinement: int
 ) -> Iterator[dict[Receiver, TransferBlock]]:
     """Tabulate receivers, each at the first level that passes its check, or one beyond it; level by level."""
     block = samples.fits.block
@@ -189,7 +189,7 @@ def _tables(
 
 
 def _table(
-    samples: Samples, receiver_class: _Class, level: int, receiver: Receiver, required: bool
+    samples: Samples, receiver_class: _ReceiverClass, level: int, receiver: Receiver, required: bool
 ) -> TransferBlock | None:
     """Return the table of a receiver at a level; None if it fails its check, unless it is required."""
     track, tolerance = samples.track, samples.tolerance

@@ -116,7 +116,7 @@ class TransferFunction:
     def along(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
         """Interpolate at one wavenumber per frequency, for any receiver.
 
-        Zero beyond the tables, and where the field is negligible, see `TransferBlock.last`.
+        Zero beyond the tables, and where the field is negligible, see `TransferBlock.reach`.
 
         Parameters
         ----------
@@ -135,7 +135,7 @@ class TransferFunction:
         value = np.zeros(beta.shape, complex)
         for block in np.unique(block_of):
             table = self.blocks[int(block)]
-            inside = (block_of == block) & (beta <= np.minimum(table.last(frequency), table.nodes.largest))
+            inside = (block_of == block) & (beta <= np.minimum(table.reach(frequency), table.nodes.largest))
             if not inside.any():
                 continue
             # A load that moves steadily needs few panels: the others are not reduced.

@@ -5,8 +5,8 @@ model.
 import numpy as np
 import pytest
 
-from railvib.forces.receptance import tabulated_receptances
-from railvib.forces.wheel_rail import arrivals, axle_distances, force_matrices
+from railvib.forces.receptance import tabulate_receptances
+from railvib.forces.wheel_rail import axle_distances, axle_phases, force_matrices
 from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL, Receiver
@@ -53,7 +53,7 @@ def functions(soft, track, tables):
 
 @pytest.fixture(scope="module")
 def standing(functions, track, train):
-    return tabulated_receptances(functions[RAIL], track, 0.0, axle_distances(train), range(-3, 3))
+    return tabulate_receptances(functions[RAIL], track, 0.0, axle_distances(train), range(-3, 3))
 
 
 def test_no_receiver_depends_on_the_others(functions, train):
@@ -181,8 +181,8 @@ class TestSlowTrain:
     def one_axle(self, functions, track, receiver, speed, f):
         """Return the full model's and the moving roughness' PSD times the length they are averaged over."""
         reach = f.max() + 14.0
-        moving = tabulated_receptances(functions[RAIL], track, speed, [0.0], range(-3, 3))
-        standing = tabulated_receptances(functions[RAIL], track, 0.0, [0.0], range(-3, 3))
+        moving = tabulate_receptances(functions[RAIL], track, speed, [0.0], range(-3, 3))
+        standing = tabulate_receptances(functions[RAIL], track, 0.0, [0.0], range(-3, 3))
 
         def amplitude(beta):
             own = np.maximum(beta * speed / (2.0 * np.pi), 0.01)
@@ -209,12 +209,12 @@ class TestSlowTrain:
         train = Train(vehicles=[vehicle])
         speed, midband = 0.5, np.array([10.0])
         d = axle_distances(train)
-        moving = tabulated_receptances(functions[RAIL], track, speed, d, range(-3, 3))
-        standing = tabulated_receptances(functions[RAIL], track, 0.0, d, range(-3, 3))
+        moving = tabulate_receptances(functions[RAIL], track, speed, d, range(-3, 3))
+        standing = tabulate_receptances(functions[RAIL], track, 0.0, d, range(-3, 3))
         f = lines(midband, line_step(train.length, speed))
         excited = excitation(train, moving, ROUGH, speed, 25.0)
         full = passage_spectra({NEAR: functions[NEAR]}, excited, train.length, speed, f)[Receiver(8.0)]
-        force = np.einsum("flp,fp->fl", force_matrices(train, standing, f), arrivals(train, f, speed))[
+        force = np.einsum("flp,fp->fl", force_matrices(train, standing, f), axle_phases(train, f, speed))[
             ..., None
         ]
         mean = line_products(functions[NEAR], train.axle_positions, f, force)[:, 0, 0].real

@@ -11,8 +11,8 @@ import numba
 import numpy as np
 import pytest
 
-from railvib.forces.receptance import tabulated_receptances
-from railvib.forces.wheel_rail import arrivals, axle_distances, force_matrices
+from railvib.forces.receptance import tabulate_receptances
+from railvib.forces.wheel_rail import axle_distances, axle_phases, force_matrices
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.unevenness import Unevenness
@@ -117,11 +117,11 @@ def passages(soft, track, single, functions):
     """Displacements over time per unit amplitude of each harmonic, (harmonics, times), and the harmonics'
     variances.
     """
-    moving = tabulated_receptances(functions[RAIL], track, SPEED, axle_distances(single), range(-3, 4))
+    moving = tabulate_receptances(functions[RAIL], track, SPEED, axle_distances(single), range(-3, 4))
     oracle = Oracle(soft, track)
     beta = 0.5 * (EDGES[1:] + EDGES[:-1])
     f = beta * SPEED / (2.0 * np.pi)
-    phase = arrivals(single, f, SPEED)
+    phase = axle_phases(single, f, SPEED)
     force = np.einsum("flp,fp->fl", force_matrices(single, moving, f), phase)
     u = np.array(
         [

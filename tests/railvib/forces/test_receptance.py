@@ -7,7 +7,7 @@ from railvib.forces.moving_transfer import moving_transfer
 from railvib.forces.receptance import (
     highest_tabulated_frequency,
     receptances,
-    tabulated_receptances,
+    tabulate_receptances,
 )
 from railvib.forces.smooth_receptance import Load
 from railvib.numerics import frequency_blocks as blocks
@@ -27,7 +27,7 @@ def rail(track, tables):
 
 @pytest.mark.parametrize("speed", [0.0, 40.0])
 def test_interpolation(rail, track, speed):
-    table = tabulated_receptances(rail, track, speed, DISTANCES, range(-3, 3))
+    table = tabulate_receptances(rail, track, speed, DISTANCES, range(-3, 3))
     f = np.array([0.2, 0.9, 3.3, 7.1, 16.0, 34.0])
     single = receptances(rail, track, speed, DISTANCES, f)
     np.testing.assert_allclose(np.abs(table.at(f) - single) / np.abs(single[:, 2:3]), 0.0, atol=3e-5)
@@ -38,7 +38,7 @@ def test_interpolation(rail, track, speed):
 
 
 def test_a_table_tells_its_blocks_from_their_halos(rail, track):
-    table = tabulated_receptances(rail, track, 0.0, DISTANCES, range(0, 2))
+    table = tabulate_receptances(rail, track, 0.0, DISTANCES, range(0, 2))
     f = table.frequency[table.inside]
     assert np.all(np.diff(f) > 0.0)
     assert f[0] == pytest.approx(blocks.edges(0)[0])
@@ -67,15 +67,15 @@ def test_against_quadrature(rail, track, speed, frequency):
         tail, _force = track_response(track, far, omega - side * far * speed, 0.0)
         direct += np.exp(1j * side * np.multiply.outer(DISTANCES, far)) @ (far_weight * tail)
     direct /= 2.0 * np.pi
-    found = receptances(rail, track, speed, DISTANCES, [frequency])[0]
-    np.testing.assert_allclose(np.abs(found - direct) / np.abs(direct[2]), 0.0, atol=1e-6)
+    value = receptances(rail, track, speed, DISTANCES, [frequency])[0]
+    np.testing.assert_allclose(np.abs(value - direct) / np.abs(direct[2]), 0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("speed", [0.0, 6.0, 40.0, 90.0])
 def test_distant_axles(rail, track, speed):
     """Where waves turn fast and where the damping's change of sign outlasts them."""
     distances = [-101.5, -40.0, 0.0, 40.0, 101.5]
-    table = tabulated_receptances(rail, track, speed, distances, range(-3, 3))
+    table = tabulate_receptances(rail, track, speed, distances, range(-3, 3))
     f = np.geomspace(0.04, 35.0, 150)
     direct = receptances(rail, track, speed, distances, f, 1e-6)
     np.testing.assert_allclose(np.abs(table.at(f) - direct) / np.abs(direct[:, 2:3]), 0.0, atol=1e-5)
@@ -85,40 +85,40 @@ def test_distant_axles(rail, track, speed):
 def test_the_change_of_sign_outlasts_the_waves(rail, track):
     load = Load(rail, track, 25.0, np.array([-2000.0, -1500.0, 1500.0, 2000.0]))
     f = np.array([8.0, 20.0])
-    found = receptances(rail, track, load.speed, load.distance, f, 1e-8)
-    np.testing.assert_allclose(load.sign_change(f) / found, 1.0, atol=0.05)
+    value = receptances(rail, track, load.speed, load.distance, f, 1e-8)
+    np.testing.assert_allclose(load.sign_change(f) / value, 1.0, atol=0.05)
 
 
 def test_blocks_together_are_those_alone(rail, track):
-    together = tabulated_receptances(rail, track, 40.0, DISTANCES, [-1, 0, 1])
-    alone = [tabulated_receptances(rail, track, 40.0, DISTANCES, [block]) for block in (-1, 0, 1)]
-    np.testing.assert_array_equal(together.level, np.concatenate([each.level for each in alone]))
-    np.testing.assert_array_equal(together.receptance, np.concatenate([each.receptance for each in alone]))
+    together = tabulate_receptances(rail, track, 40.0, DISTANCES, [-1, 0, 1])
+    alone = [tabulate_receptances(rail, track, 40.0, DISTANCES, [block]) for block in (-1, 0, 1)]
+    np.testing.assert_array_equal(together.level, np.concatenate([table.level for table in alone]))
+    np.testing.assert_array_equal(together.receptance, np.concatenate([table.receptance for table in alone]))
 
 
 def test_columns_are_signed_distances(rail, track):
-    block = tabulated_receptances(rail, track, 40.0, [2.7, -2.7, 0.0, 2.7], [0])
+    block = tabulate_receptances(rail, track, 40.0, [2.7, -2.7, 0.0, 2.7], [0])
     np.testing.assert_array_equal(block.distance, [-2.7, 0.0, 2.7])
     ahead, behind = block.receptance[:, 2], block.receptance[:, 0]
     assert np.abs(ahead / behind - 1.0).max() > 1e-2  # a moving load breaks the symmetry
 
 
 def test_transfer_function_of_a_moving_load(rail):
-    made = moving_transfer(rail, 40.0, [0, 1])
-    assert made.rail_moving.shape == made.wavenumber.shape
-    assert np.all(np.diff(made.frequency) > 0.0)
-    np.testing.assert_allclose(made.frequency[[0, 25]], [blocks.edges(0)[0], blocks.edges(1)[0]])
-    assert made.frequency[-1] < blocks.edges(1)[1]
-    table = rail.blocks[1].nodes.wavenumber(made.frequency)
-    assert made.wavenumber.shape[1] < 1.5 * table.shape[1]
+    moving = moving_transfer(rail, 40.0, [0, 1])
+    assert moving.rail_moving.shape == moving.wavenumber.shape
+    assert np.all(np.diff(moving.frequency) > 0.0)
+    np.testing.assert_allclose(moving.frequency[[0, 25]], [blocks.edges(0)[0], blocks.edges(1)[0]])
+    assert moving.frequency[-1] < blocks.edges(1)[1]
+    table = rail.blocks[1].nodes.wavenumber(moving.frequency)
+    assert moving.wavenumber.shape[1] < 1.5 * table.shape[1]
     for row in (7, 45):
-        there = np.isfinite(made.wavenumber[row])
-        assert np.all(np.diff(made.wavenumber[row][there]) > 0.0)
-        known = np.isfinite(made.rail_moving[row])
+        present = np.isfinite(moving.wavenumber[row])
+        assert np.all(np.diff(moving.wavenumber[row][present]) > 0.0)
+        known = np.isfinite(moving.rail_moving[row])
         assert known.any()
-        beta = made.wavenumber[row][known]
-        seen = 2.0 * np.pi * made.frequency[row] - beta * 40.0
-        np.testing.assert_allclose(made.rail_moving[row][known], rail.response(beta, seen))
+        beta = moving.wavenumber[row][known]
+        seen = 2.0 * np.pi * moving.frequency[row] - beta * 40.0
+        np.testing.assert_allclose(moving.rail_moving[row][known], rail.response(beta, seen))
 
 
 def test_reach(rail, track):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railvib.forces.receptance import Receptances
-from railvib.forces.wheel_rail import arrivals, axle_distances, axle_forces, axle_numbers, force_matrices
+from railvib.forces.wheel_rail import axle_distances, axle_forces, axle_numbers, axle_phases, force_matrices
 from railvib.parameters.vehicle import Train, train_receptance
 
 
@@ -117,7 +117,7 @@ def test_elimination_against_lapack(mixed, random_rail, count):
 
 def test_frequencies_do_not_depend_on_their_neighbours(mixed, random_rail):
     f = np.geomspace(0.5, 300.0, 70)
-    phase = arrivals(mixed, f, 40.0)
+    phase = axle_phases(mixed, f, 40.0)
     together = axle_forces(mixed, random_rail, f, phase)
     alone = [axle_forces(mixed, random_rail, f[i : i + 1], phase[i : i + 1])[0] for i in (0, 31, 32, 69)]
     np.testing.assert_array_equal(together[[0, 31, 32, 69]], alone)
@@ -154,7 +154,7 @@ def test_reciprocal_on_a_symmetric_rail(train):
 
 def test_arrivals_and_numbers(train):
     f = np.array([1.0, 10.0])
-    phase = arrivals(train, f, 40.0)
+    phase = axle_phases(train, f, 40.0)
     np.testing.assert_allclose(phase, np.exp(1j * 2.0 * np.pi * f[:, None] / 40.0 * train.axle_positions))
     assert axle_numbers(train)[-1] == 1  # the largest x leads
 

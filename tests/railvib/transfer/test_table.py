@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import CENTRE, RAIL, Receiver
 from railvib.soil.fits import GroundFits
@@ -13,6 +14,7 @@ from railvib.soil.quadrature import strip_compliance_by_quadrature
 from railvib.soil.rational_fit import RationalFit
 from railvib.transfer import tabulate
 from railvib.transfer.evaluation import Evaluation
+from railvib.transfer.intensity import squares_at_level
 from railvib.transfer.nodes import largest_wavenumber
 from railvib.transfer.tabulate import distance_class, transfer_blocks
 from railvib.transfer.track_response import track_response
@@ -92,9 +94,9 @@ def test_blocks_join(functions):
 def test_many_receivers_are_handed_on_some_at_a_time(functions, track):
     """They share one object of what they have in common, and have the same values as alone."""
     receivers = [Receiver(offset) for offset in np.linspace(8.5, 15.5, 41).tolist()]
-    made = list(tabulate.transfer_blocks_by_class(SOFT, track, -3, receivers))
-    assert list(map(len, made)) == [tabulate.VALUES_AT_ONCE, 41 - tabulate.VALUES_AT_ONCE]
-    tables = {receiver: table for batch in made for receiver, table in batch.items()}
+    batches = list(tabulate.transfer_blocks_by_class(SOFT, track, -3, receivers))
+    assert list(map(len, batches)) == [tabulate.VALUES_AT_ONCE, 41 - tabulate.VALUES_AT_ONCE]
+    tables = {receiver: table for batch in batches for receiver, table in batch.items()}
     for table in tables.values():
         assert table.shared is tables[receivers[0]].shared
     alone = transfer_blocks(SOFT, track, -3, [Receiver(15.5)])[Receiver(15.5)]
@@ -115,6 +117,40 @@ def test_a_receiver_does_not_depend_on_the_others(functions, track):
     assert classes == [8.0, 8.0, 8.0, 16.0, 128.0]
 
 
+def test_receivers_of_a_class_share_the_forces_on_the_ground(functions, track):
+    """They are computed once, whichever receiver asks first, and are those of the track on the compliance."""
+    near, far = (functions[Receiver(offset)].blocks[1] for offset in (5.0, 1.0))
+    shared = near.shared
+    assert far.shared is shared
+    inverse = shared.inverse_force(track)
+    assert far.shared.inverse_force(track) is inverse
+    omega = 2.0 * np.pi * shared.frequency[:, None]
+    _rail, force = track_response(track, shared.wavenumber, omega, shared.compliance)
+    np.testing.assert_allclose(inverse * force, 1.0)
+    np.testing.assert_array_equal(shared.inverse_force(None), 1.0)
+    between = TransferFunction([near], track), TransferFunction([far], track)
+    shared.squared_forces.clear()
+    level, ks = near.level + 1, blocks.halfway(1, near.level, 3)
+    values = [squares_at_level(function, 1, level, ks) for function in between]
+    ((key, squared_force),) = shared.squared_forces.items()
+    assert key[0] == track
+    f = blocks.frequency(level, ks)
+    beta, transfer = between[0].at(1, f)
+    np.testing.assert_allclose(values[0], np.abs(transfer) ** 2, rtol=1e-9, atol=1e-12 * values[0].max())
+    compliance = blocks.interpolated(1, near.level, f, shared.compliance)
+    _rail, force = track_response(track, beta, 2.0 * np.pi * f[:, None], compliance)
+    np.testing.assert_allclose(squared_force, np.abs(force) ** 2, rtol=1e-9)
+
+
+def test_a_part_of_a_table_gives_the_same_as_the_whole(functions, track):
+    table = functions[Receiver(20.0)].blocks[1]
+    part = table.part(3, 6)
+    nodes = slice(3 * ORDER, 7 * ORDER)
+    assert part.nodes.panel_count == 4
+    np.testing.assert_array_equal(part.shared.wavenumber, table.shared.wavenumber[:, nodes])
+    np.testing.assert_allclose(part.reduced(track), table.reduced(track)[:, nodes], rtol=1e-12)
+
+
 def test_certificates(functions):
     for receiver in RECEIVERS:
         for table in functions[receiver].blocks.values():
@@ -130,7 +166,7 @@ def test_the_error_that_a_table_states_is_that_of_what_is_read_from_it(receiver,
         table = functions[receiver].blocks[block]
         places = blocks.halfway(block, table.level, 5)
         f = blocks.frequency(table.level + 1, places)
-        beta, found = functions[receiver].at(block, f)
+        beta, interpolated = functions[receiver].at(block, f)
         offset = receiver.offset or 0.0
         evaluate = Evaluation(GroundFits(SOFT, block, 1e-10), track, [offset], 1e-4)
         values = np.array(
@@ -139,7 +175,7 @@ def test_the_error_that_a_table_states_is_that_of_what_is_read_from_it(receiver,
         direct = values[:, evaluate.row(receiver)]
         under = values[:, evaluate.row(RAIL if receiver.on_rail else CENTRE)]
         size = np.maximum(np.abs(direct), 1e-8 * np.abs(under).max(axis=1, keepdims=True))
-        error = (np.abs(found - direct) / size).max()
+        error = (np.abs(interpolated - direct) / size).max()
         assert error == pytest.approx(table.interpolation_error, rel=1e-3, abs=1e-11)
 
 
