@@ -26,7 +26,7 @@ _GOOD_ENOUGH = 0.1
 _SLOWNESS_COUNT = 10
 """Number of slownesses that are tried."""
 _SLOWEST = 1.1
-"""The largest of them, over that of the slowest body wave: a surface wave is slower."""
+"""The largest of them, over that of the ground's slowest wave."""
 _PREVIEW_STRIDE = 4
 """One node of so many shows which slownesses are worth trying everywhere."""
 _NEGLIGIBLE = 1e-8

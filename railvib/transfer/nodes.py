@@ -14,7 +14,7 @@ from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 
 TOP = 1.3
-"""Slowness at u = 1 over that of the slowest body wave."""
+"""Slowness at u = 1 over that of the ground's slowest wave."""
 
 
 def largest_wavenumber(track: Track, refinement: int = 1) -> float:
