@@ -103,7 +103,7 @@ def test_all_modes_of_any_soil(seed, loss_factor):
         of_layers((300.0, 3.0), (100.0, 3.0), (400.0, 30.0), (100.0, 3.0), (500.0, None)),
         of_layers((60.0, 1.0), (3000.0, None)),
         of_layers((250.0, 7.0), (86.0, 4.7), (134.0, 5.4), (304.0, 5.9), (95.0, None)),
-        of_layers((100.0, 0.001), (110.0, 0.01), (200.0, None)),
+        of_layers((100.0, 0.01), (110.0, 0.02), (200.0, None)),
     ],
     ids=["buried", "two equal channels", "contrast", "slow base", "thin"],
 )
