@@ -28,6 +28,11 @@ _SLOWER_THAN_WAVES = 0.9
 _MOSTLY_EXTRAPOLATED = 0.5
 """Share of a band's unevenness from outside the form's range above which that is said."""
 
+_BESIDE = 0.97
+"""Share of a frequency down to which the contact must be passive: just above such a range tables do not
+resolve the sharp peak of the wave that was not.
+"""
+
 
 @lru_cache(maxsize=256)
 def slowest_surface_wave(ground: Ground) -> float:
@@ -104,7 +109,7 @@ def check_contact(ground: Ground, track: Track, lowest: float, highest: float) -
     PlausibilityWarning
         With the ranges of frequency, and what helps.
     """
-    ranges = nonpassive_ranges(ground, track, lowest, highest)
+    ranges = nonpassive_ranges(ground, track, _BESIDE * lowest, highest)
     if ranges:
         spans = " and ".join(_range_label(f"{low:.0f}", f"{high:.0f}") for low, high in ranges)
         warnings.warn(

@@ -18,7 +18,7 @@ from railvib.soil.strip import strip_compliances
 from railvib.transfer.track_response import track_response
 
 _STEPS_PER_OCTAVE = 12
-_BISECTIONS = 6
+_BISECTIONS = 9
 _FIT_TOLERANCE = 1e-7
 _PANELS = 300
 _NODE, _WEIGHT = legendre.leggauss(8)
