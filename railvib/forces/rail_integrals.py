@@ -7,12 +7,14 @@ and the damping with it. A panel that does not resolve the response is halved. B
 its pads carries the load alone.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from railvib.forces._kernels.rail_integrals import integrate_panels
 from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics.refinement import Panels, halve
-from railvib.numerics.wavenumber_panels import unresolved
+from railvib.numerics.refinement import halve
+from railvib.numerics.wavenumber_panels import NODE, unresolved
 from railvib.parameters.track import Track
 from railvib.transfer.track_response import track_response
 from railvib.transfer.transfer_function import TransferFunction
@@ -80,7 +82,7 @@ def rail_integrals(
         np.searchsorted(panels.owner[order], np.arange(frequency.size + 1)),
         order,
         panels.centre[order],
-        0.5 * panels.width[order],
+        panels.half[order],
         value.view(float),
         distance,
         cosine,
@@ -91,14 +93,39 @@ def rail_integrals(
     return even, odd, value.size
 
 
+class _Panels(NamedTuple):
+    """Panels of all frequencies, (panels,).
+
+    They are kept by their half widths, so that both halves of a panel have the same to the last bit: what
+    depends on the width alone then serves both.
+    """
+
+    owner: np.ndarray
+    """Index of the frequency that a panel belongs to."""
+    centre: np.ndarray
+    half: np.ndarray
+
+    def select(self, which: np.ndarray) -> "_Panels":
+        """Return some of the panels."""
+        return _Panels(self.owner[which], self.centre[which], self.half[which])
+
+    def halves(self) -> "_Panels":
+        """Return both halves of each panel, one after the other."""
+        half = np.repeat(0.5 * self.half, 2)
+        centre = np.repeat(self.centre, 2)
+        centre[::2] -= half[::2]
+        centre[1::2] += half[1::2]
+        return _Panels(np.repeat(self.owner, 2), centre, half)
+
+
 def _resolve(
     rail: TransferFunction, track: Track, speed: float, frequency: np.ndarray, tolerance: float
-) -> tuple[Panels, np.ndarray]:
-    """Return panels that resolve the response, owned by frequencies, and the response at their nodes."""
+) -> tuple[_Panels, np.ndarray]:
+    """Return panels that resolve the response, and the response at their nodes."""
     peak = np.zeros(frequency.size)
 
-    def evaluate(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
-        beta = panels.nodes
+    def evaluate(panels: _Panels) -> tuple[np.ndarray, np.ndarray]:
+        beta = panels.centre[:, None] + panels.half[:, None] * NODE
         seen = 2.0 * np.pi * frequency[panels.owner][:, None] - beta * speed
         tail = np.abs(panels.centre) > rail.reach
         if tail.any():
@@ -110,13 +137,15 @@ def _resolve(
         if not peak.any():
             size = np.sqrt((np.square(value.real) + np.square(value.imag)).max(axis=1))
             np.maximum.at(peak, panels.owner, size)
-        error = unresolved(value)[:, 0] * panels.width
+        error = unresolved(value)[:, 0] * 2.0 * panels.half
         return value, error > _RESOLVED * tolerance * peak[panels.owner]
 
-    return halve(_first_panels(rail, frequency, speed), evaluate, _MOST_HALVINGS)
+    parts = list(halve(_first_panels(rail, frequency, speed), evaluate, _MOST_HALVINGS))
+    columns = zip(*(panels for panels, _value in parts), strict=True)
+    return _Panels(*map(np.concatenate, columns)), np.concatenate([value for _panels, value in parts])
 
 
-def _first_panels(rail: TransferFunction, frequency: np.ndarray, speed: float) -> Panels:
+def _first_panels(rail: TransferFunction, frequency: np.ndarray, speed: float) -> _Panels:
     """Return the first panels of all frequencies.
 
     Edges are the tables' slownesses as a moving load sees them, powers of two from there to the largest β,
@@ -152,7 +181,7 @@ def _first_panels(rail: TransferFunction, frequency: np.ndarray, speed: float) -
         inner = row[1:] == row[:-1]
         first.append((np.flatnonzero(block_of == block)[row[1:][inner]], edge[:-1][inner], edge[1:][inner]))
     owner, low, high = (np.concatenate(columns) for columns in zip(*first, strict=True))
-    return Panels(low, high - low, owner)
+    return _Panels(owner, 0.5 * (high + low), 0.5 * (high - low))
 
 
 def _within(value: np.ndarray, limit: float) -> np.ndarray:

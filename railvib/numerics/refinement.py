@@ -1,11 +1,9 @@
 """Refinement until a check passes: levels of frequencies, and panels that are halved."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
-
-from railvib.numerics.wavenumber_panels import NODE
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -73,45 +71,51 @@ def search_level(
 
 
 class Panels(NamedTuple):
-    """Panels of one coordinate, by where they begin and their widths, (n,)."""
+    """Panels of one coordinate, by their edges, (n,)."""
 
     low: np.ndarray
-    width: np.ndarray
-    owner: np.ndarray
-    """Which of several functions a panel belongs to."""
+    high: np.ndarray
 
     @classmethod
     def between(cls, edge: np.ndarray) -> "Panels":
-        """Return the panels of one function between ascending edges (n + 1,)."""
-        return cls(edge[:-1], np.diff(edge), np.zeros(edge.size - 1, int))
+        """Return the panels between ascending edges (n + 1,)."""
+        return cls(edge[:-1], edge[1:])
 
     @property
-    def centre(self) -> np.ndarray:
-        """Centres, (n,)."""
-        return self.low + 0.5 * self.width
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Gauss–Legendre nodes, (n, order)."""
-        return np.asarray(self.centre[:, None] + 0.5 * self.width[:, None] * NODE)
+    def edges(self) -> np.ndarray:
+        """Both edges of each panel, (n, 2)."""
+        return np.stack([self.low, self.high], axis=1)
 
     def select(self, which: np.ndarray) -> "Panels":
         """Return some of the panels."""
-        return Panels(self.low[which], self.width[which], self.owner[which])
+        return Panels(self.low[which], self.high[which])
 
     def halves(self) -> "Panels":
-        """Return both halves of each panel, one after the other: their widths are equal to the last bit."""
-        width = np.repeat(0.5 * self.width, 2)
-        low = np.repeat(self.low, 2)
-        low[1::2] += width[1::2]
-        return Panels(low, width, np.repeat(self.owner, 2))
+        """Return both halves of each panel, one after the other."""
+        middle = 0.5 * (self.low + self.high)
+        return Panels(
+            np.stack([self.low, middle], axis=1).ravel(), np.stack([middle, self.high], axis=1).ravel()
+        )
+
+
+class Divisible(Protocol):
+    """Panels in any form, some of which can be selected and halved."""
+
+    def select(self, which: np.ndarray) -> Self:
+        """Return some of the panels."""
+
+    def halves(self) -> Self:
+        """Return both halves of each panel."""
+
+
+PanelSet = TypeVar("PanelSet", bound=Divisible)
 
 
 def halve(
-    panels: Panels,
-    evaluate: Callable[[Panels], tuple[np.ndarray, np.ndarray]],
+    panels: PanelSet,
+    evaluate: Callable[[PanelSet], tuple[np.ndarray, np.ndarray]],
     most: int,
-) -> tuple[Panels, np.ndarray]:
+) -> Iterator[tuple[PanelSet, np.ndarray]]:
     """Halve panels until they are resolved.
 
     Parameters
@@ -123,22 +127,18 @@ def halve(
     most
         How many times a panel is halved at most.
 
-    Returns
-    -------
+    Yields
+    ------
     panels, values
-        The panels, in the order in which they were finished, and their values.
+        The panels that need not be halved further, and their values.
     """
-    parts: list[Panels] = []
-    values: list[np.ndarray] = []
     for halving in range(most + 1):
-        value, unresolved = evaluate(panels)
+        values, unresolved = evaluate(panels)
         unresolved &= halving < most
-        parts.append(panels.select(~unresolved))
-        values.append(value[~unresolved])
+        yield panels.select(~unresolved), values[~unresolved]
         if not unresolved.any():
-            break
+            return
         panels = panels.select(unresolved).halves()
-    return Panels(*(np.concatenate(columns) for columns in zip(*parts, strict=True))), np.concatenate(values)
 
 
 def divide(edge: np.ndarray, parts: int) -> np.ndarray:

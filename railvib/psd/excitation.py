@@ -15,7 +15,7 @@ import numpy as np
 from railvib.forces.receptance import Receptances
 from railvib.forces.wheel_rail import axle_forces, axle_phases
 from railvib.numerics.refinement import Panels, divide, halve
-from railvib.numerics.wavenumber_panels import ORDER, TO_POWERS, to_legendre
+from railvib.numerics.wavenumber_panels import ORDER, TO_POWERS, nodes_between, to_legendre
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
 
@@ -123,7 +123,7 @@ def resolve(
     refinement
         Number of parts into which the panels that resolve it are divided.
     """
-    first = np.linspace(0.0, largest, _FIRST_PANELS + 1)
+    even = np.linspace(0.0, largest, _FIRST_PANELS + 1)
     cuts = [beta for beta in wavenumbers if 0.0 < beta < largest]
 
     def evaluate(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
@@ -131,10 +131,12 @@ def resolve(
         tail = np.abs(series[..., -2:]).max(axis=(1, 2))
         return series, tail > _TAIL * tolerance * np.abs(series).sum(axis=2).max(axis=1)
 
-    panels, series = halve(Panels.between(np.unique(np.concatenate([first, cuts]))), evaluate, _MOST_HALVINGS)
-    order = np.argsort(panels.low)
-    edge = np.append(panels.low[order], largest)
-    series = series[order]
+    first = Panels.between(np.unique(np.concatenate([even, cuts])))
+    parts = list(halve(first, evaluate, _MOST_HALVINGS))
+    low = np.concatenate([panels.low for panels, _values in parts])
+    order = np.argsort(low)
+    edge = np.append(low[order], largest)
+    series = np.concatenate([values for _panels, values in parts])[order]
     if refinement > 1:
         edge = divide(edge, refinement)
         series = _series(amplitude, Panels.between(edge))
@@ -143,5 +145,5 @@ def resolve(
 
 def _series(amplitude: Callable[[np.ndarray], np.ndarray], panels: Panels) -> np.ndarray:
     """Return the Legendre series of amplitudes on panels, complex (n, axles, order)."""
-    value = amplitude(panels.nodes.ravel())
+    value = amplitude(nodes_between(panels.edges).ravel())
     return to_legendre(value.reshape(-1, ORDER, value.shape[1]).swapaxes(1, 2))

@@ -26,13 +26,13 @@ def resolve_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> No
 
     def check(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
         # Each panel alone, between its own two edges.
-        ends = Nodes(top, largest, np.stack([panels.low, panels.low + panels.width], axis=1).ravel())
-        beta = nodes_between(ends.panel_edges(frequency).reshape(ks.size, -1, 2)).reshape(ks.size, -1)
+        edge = Nodes(top, largest, panels.edges.ravel()).panel_edges(frequency)
+        beta = nodes_between(edge.reshape(ks.size, -1, 2)).reshape(ks.size, -1)
         values = np.array([evaluate(0, int(k), row) for k, row in zip(ks, beta, strict=True)])
         np.maximum(peak, np.abs(values).max(axis=2), out=peak)
         bad = unresolved(values) > _RESOLVED * tolerance * peak[..., None]
         return panels.low, np.asarray(bad.any(axis=(0, 1)))
 
-    panels, _low = halve(Panels.between(first), check, _MOST_HALVINGS)
-    edge = np.append(np.sort(panels.low), 2.0)
+    low = np.concatenate([part for _panels, part in halve(Panels.between(first), check, _MOST_HALVINGS)])
+    edge = np.append(np.sort(low), 2.0)
     return Nodes(top, largest, divide(edge, refinement))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railvib.numerics.refinement import Panels, divide, halve, search_level, search_levels
-from railvib.numerics.wavenumber_panels import WEIGHT, unresolved
+from railvib.numerics.wavenumber_panels import WEIGHT, nodes_between, unresolved
 
 ERRORS = {"rough": 1.0, "smooth": 1e-3, "hopeless": 1e9}
 """Of items at level 0; each level divides them by ten."""
@@ -78,37 +78,32 @@ def test_one_item():
     assert search_level(0, lambda level, required: (level, False), last=4) == (4, 4)
 
 
-def peaks(x, owner):
-    """Two functions, of which the second needs narrow panels near 0.3."""
-    return np.where(owner == 0, np.cos(x), 1e-2 / ((x - 0.3) ** 2 + 1e-4))
+def peak(x):
+    """A function that needs narrow panels near 0.3."""
+    return 1e-2 / ((x - 0.3) ** 2 + 1e-4)
 
 
 def test_panels_are_halved_where_they_do_not_resolve():
-    edge = np.array([0.0, 0.5, 1.0])
-    first = Panels(np.tile(edge[:-1], 2), np.tile(np.diff(edge), 2), np.array([0, 0, 1, 1]))
     counts = []
 
     def evaluate(panels):
         counts.append(panels.low.size)
-        value = peaks(panels.nodes, panels.owner[:, None])
+        value = peak(nodes_between(panels.edges).reshape(panels.low.size, -1))
         return value, unresolved(value)[:, 0] > 1e-9
 
-    panels, value = halve(first, evaluate, 20)
-    assert counts[0] == 4
-    assert panels.low.size == value.shape[0]
-    assert np.count_nonzero(panels.owner == 0) == 2
-    integral = (value @ WEIGHT) * 0.5 * panels.width
-    assert integral[panels.owner == 0].sum() == pytest.approx(np.sin(1.0), rel=1e-12)
-    exact = np.arctan(70.0) + np.arctan(30.0)
-    assert integral[panels.owner == 1].sum() == pytest.approx(exact, rel=1e-9)
-    narrow = panels.select(panels.width < 0.02)
-    assert np.all(np.abs(narrow.centre - 0.3) < 0.1)
-    for owner in (0, 1):
-        starts = np.sort(panels.low[panels.owner == owner])
-        assert starts[0] == 0.0
-        np.testing.assert_allclose(
-            np.append(starts[1:], 1.0), np.sort((panels.low + panels.width)[panels.owner == owner])
-        )
+    parts = list(halve(Panels.between(np.array([0.0, 0.5, 1.0])), evaluate, 20))
+    assert counts[0] == 2
+    low, high = (np.concatenate([part[edge] for part, _value in parts]) for edge in (0, 1))
+    value = np.concatenate([value for _part, value in parts])
+    integral = ((value @ WEIGHT) * 0.5 * (high - low)).sum()
+    assert integral == pytest.approx(np.arctan(70.0) + np.arctan(30.0), rel=1e-9)
+    assert unresolved(value).max() <= 1e-9
+    narrow = high - low < 0.02
+    assert narrow.any()
+    assert np.all(np.abs(low[narrow] - 0.3) < 0.1)
+    order = np.argsort(low)
+    assert low[order[0]] == 0.0
+    np.testing.assert_array_equal(low[order[1:]], high[order[:-1]])  # no gaps, no overlaps
 
 
 def test_panels_are_halved_no_more_often_than_allowed():
@@ -118,18 +113,12 @@ def test_panels_are_halved_no_more_often_than_allowed():
         calls.append(panels.low.size)
         return panels.low, np.ones(panels.low.size, bool)
 
-    panels, low = halve(Panels.between(np.array([0.0, 1.0, 3.0])), evaluate, 3)
+    parts = list(halve(Panels.between(np.array([0.0, 1.0, 3.0])), evaluate, 3))
     assert calls == [2, 4, 8, 16]
+    assert [panels.low.size for panels, _ in parts] == [0, 0, 0, 16]
+    panels, low = parts[-1]
     np.testing.assert_array_equal(low, panels.low)
     np.testing.assert_array_equal(np.sort(low), [*np.arange(8) / 8.0, *(1.0 + np.arange(8) / 4.0)])
-
-
-def test_halves_have_widths_equal_to_the_last_bit():
-    panels = Panels.between(np.array([0.0, 0.1, 7.7, 60.3]))
-    for _ in range(6):
-        panels = panels.halves()
-    np.testing.assert_array_equal(panels.width[::2], panels.width[1::2])
-    assert panels.width.sum() == pytest.approx(60.3)
 
 
 def test_edges_stay_where_panels_are_divided():
