@@ -36,11 +36,11 @@ from railvib.stages.fe_be_table import FeBeTable
 from railvib.stages.transfer_table import TransferTable
 from sweep import plan, study
 from sweep.host import host_class
+from sweep.processes import compiling, forks, parent
 from sweep.running.task import Place, execute
 from sweep.storage import records
 from sweep.unit import Unit, unit_of, work
 from sweep.wanted import spectra_unit
-from sweep.workers import compiling, forks
 from sweep.workers.launch import STAGES
 
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
@@ -83,16 +83,28 @@ def rates(finite_elements: bool = False) -> Rates:
 
 def _kept(name: str) -> Rates:
     """Return the rates of one of the pilots that are kept, or measure and keep them."""
-    path = compiling.cache_folder() / f"{name}-{_key()}.json"
-    with suppress(OSError, ValueError, TypeError):
-        return Rates(**json.loads(path.read_bytes()))
-    found = _measured_apart(name)
-    with suppress(OSError):  # a cache that cannot be written is none
+    key = f"{name}-{_key()}.json"
+    with suppress(OSError, RuntimeError, ValueError, TypeError):
+        return Rates(**json.loads((cache_folder() / key).read_bytes()))
+    measured = _measure_apart(name)
+    with suppress(OSError, RuntimeError):  # a cache that cannot be written is none
+        path = cache_folder() / key
         path.parent.mkdir(parents=True, exist_ok=True)
-        aside = path.with_suffix(f".{os.getpid()}.partial")
-        aside.write_text(json.dumps(asdict(found)), encoding="utf-8")
-        aside.replace(path)
-    return found
+        temporary = path.with_suffix(f".{os.getpid()}.partial")
+        temporary.write_text(json.dumps(asdict(measured)), encoding="utf-8")
+        temporary.replace(path)
+    return measured
+
+
+def cache_folder() -> Path:
+    """Return where a user's programs keep what they can make again.
+
+    Raises
+    ------
+    RuntimeError
+        If the user has no home.
+    """
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "railvib"
 
 
 def _key() -> str:
@@ -106,25 +118,31 @@ def _key() -> str:
     return digest.hexdigest()[:32]
 
 
-def _measured_apart(name: str) -> Rates:
+def _measure_apart(name: str) -> Rates:
     """Measure in a process of its own that is as a worker is: forked, or with its environment."""
     if forks.running():
         measured: Rates = forks.submit(PILOTS[name])()
         return measured
     from sweep.workers.dask_cluster import ENVIRONMENT
 
-    done = subprocess.run(
-        [sys.executable, "-m", "sweep.forecast.pilot", name],
-        env={**os.environ, **ENVIRONMENT, forks.KINDS: STAGES},
-        stdout=subprocess.PIPE,
-        check=True,
-    )
-    return Rates(**json.loads(done.stdout))
+    variables = {**ENVIRONMENT, forks.KINDS: STAGES, forks.DRIVER: str(os.getpid())}
+    command = [sys.executable, "-m", "sweep.forecast.pilot", name]
+    with forks.signals_blocked():
+        process = subprocess.Popen(command, env={**os.environ, **variables}, stdout=subprocess.PIPE)
+    try:
+        output, _ = process.communicate()
+    except BaseException:
+        process.kill()
+        process.wait()
+        raise
+    if process.returncode:
+        raise RuntimeError(f"the pilot failed with exit status {process.returncode}")
+    return Rates(**json.loads(output))
 
 
 def measure() -> Rates:
     """Run the pilot's tasks in this process, and return the rates."""
-    import sweep.workers.preloaded  # noqa: F401 - what a worker has loaded
+    import sweep.processes.preloaded  # noqa: F401 - what a worker has loaded
 
     compiling.load(STAGES)  # a process that serves runs of other kinds may have been forked
     idle = _resident()
@@ -276,4 +294,5 @@ PILOTS = {"pilot": measure, "pilot-fe-be": measure_fe_be}
 """What measures rates, by the name under which they are kept."""
 
 if __name__ == "__main__":
+    parent.end_with(int(os.environ.get(forks.DRIVER, os.getppid())))
     print(json.dumps(asdict(PILOTS[sys.argv[1]]())))

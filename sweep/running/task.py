@@ -22,10 +22,10 @@ import railvib
 from railvib import cost
 from railvib.errors import AccuracyWarning, PlausibilityWarning
 from sweep.host import host_class
+from sweep.processes import compiling
 from sweep.storage import fields, location, records, store
 from sweep.storage.cache import CACHE_BYTES, Cache, Latest
 from sweep.unit import Unit, registry, stage_class, unit_of
-from sweep.workers import compiling
 
 NEGLIGIBLE_S = 2e-5
 """Time between a result's stages that is not worth a stage of its own."""

@@ -16,10 +16,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from railvib.errors import InputError
+from sweep.processes.forks import THREADS
 from sweep.workers import tls
 from sweep.workers.cluster_file import LOOPBACK
 from sweep.workers.dask_cluster import SETTINGS
-from sweep.workers.forks import THREADS
 
 SCHEDULER, DRIVER = 0, 1
 FEWEST = 3

@@ -20,8 +20,8 @@ from distributed.client import FutureCancelledError
 from distributed.security import Security
 
 from sweep.plan import Task
+from sweep.processes import forks
 from sweep.running.task import Outcome, Place, execute
-from sweep.workers import forks
 
 ENVIRONMENT = {**forks.THREADS, "DASK_LOGGING__DISTRIBUTED": "critical"}
 """Of worker processes; what matters comes back as an outcome."""

@@ -6,13 +6,13 @@ a certificate made for the run, which the workers find in the results directory.
 
 import logging
 import shutil
-import signal
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import asyncssh
 import dask
@@ -22,14 +22,13 @@ from distributed.deploy import ssh
 from distributed.security import Security
 
 from railvib.errors import InputError
+from sweep.processes import forks
 from sweep.workers import dask_cluster as cluster
-from sweep.workers import drain, forks, tls
+from sweep.workers import drain, tls
 from sweep.workers.cluster_file import LOOPBACK, ClusterFile, Local, Queue, Ssh
 
-_on_interrupt = signal.getsignal(signal.SIGINT)
-import dask_jobqueue  # noqa: E402
-
-signal.signal(signal.SIGINT, _on_interrupt)  # importing it lets Ctrl-C end the process as if all were well
+with patch("signal.signal"):  # importing it would let Ctrl-C end the process as if all were well
+    import dask_jobqueue
 
 SCALING = {"interval": "1s", "target_duration": "1s"}
 """How often the number of workers is considered, and the work per worker that is worth another one."""

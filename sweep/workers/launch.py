@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from railvib.errors import InputError
-from sweep.workers import forks
+from sweep.processes import forks
 
 if TYPE_CHECKING:
     from distributed.security import Security

@@ -14,10 +14,10 @@ from railvib.stages import Work
 from railvib.stages.train_integrals import ReceiverTrainIntegrals
 from sweep import study
 from sweep.forecast import estimate, pilot
+from sweep.processes import forks
 from sweep.request import prepare
 from sweep.storage import records
 from sweep.unit import work
-from sweep.workers import forks
 from tests.sweep.small import STUDY, invoke
 
 GB = 10**9
@@ -76,11 +76,11 @@ def test_a_run_takes_what_was_planned(name, rates, tmp_path, monkeypatch):
 
 def test_rates_are_remembered(rates, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(pilot, "_measured_apart", lambda name: rates)
+    monkeypatch.setattr(pilot, "_measure_apart", lambda name: rates)
     pilot.rates.cache_clear()
     assert pilot.rates() == rates
     assert [path.suffix for path in (tmp_path / "railvib").iterdir()] == [".json"]
-    monkeypatch.setattr(pilot, "_measured_apart", lambda name: pytest.fail("measured twice"))
+    monkeypatch.setattr(pilot, "_measure_apart", lambda name: pytest.fail("measured twice"))
     pilot.rates.cache_clear()
     assert pilot.rates() == rates
     monkeypatch.setattr("socket.gethostname", lambda: "another")

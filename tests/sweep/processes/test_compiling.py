@@ -20,7 +20,7 @@ def warm_up():
     assert twice(1) == 2
 """
 LOAD = """
-from sweep.workers import compiling
+from sweep.processes import compiling
 compiling.load("small_kinds")
 import small_kinds
 print(len(small_kinds.twice.stats.cache_hits), len(small_kinds.twice.stats.cache_misses))

@@ -1,4 +1,4 @@
-"""What every worker needs: imported by the process from which they are forked, see `sweep.workers.forks`."""
+"""What every worker needs, loaded by the process from which they are forked."""
 
 import gc
 import os
@@ -10,8 +10,8 @@ import distributed.nanny  # noqa: E402
 import distributed.worker  # noqa: E402
 
 import sweep.running.task  # noqa: E402
-from sweep.workers import compiling  # noqa: E402
-from sweep.workers.forks import KINDS  # noqa: E402
+from sweep.processes import compiling  # noqa: E402
+from sweep.processes.forks import KINDS  # noqa: E402
 
 __all__ = ["distributed", "sweep"]
 

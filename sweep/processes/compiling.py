@@ -4,12 +4,12 @@ Two that write it at once can crash, and a process that has compiled all kernels
 megabytes that one that loads them never takes.
 """
 
+import fcntl
 import importlib
-import multiprocessing
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from importlib import metadata, resources
 from pathlib import Path
@@ -18,15 +18,25 @@ from railvib.soil.flexibility import surface_flexibility
 from railvib.stages.stage import Stage
 from sweep import identity
 from sweep.host import host_class
-from sweep.workers import forks
+from sweep.processes import forks, parent
 
-LOCK = "compiling.lock"
 _COMPILERS = ("numba", "llvmlite")
 
 
-def cache_folder() -> Path:
-    """Return where a user's programs keep what they can make again."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "railvib"
+def kernels_folder() -> Path:
+    """Return where compiled kernels are kept, made if missing.
+
+    Raises
+    ------
+    OSError
+        If they cannot be kept.
+    """
+    path = surface_flexibility.stats.cache_path
+    if path is None:
+        raise FileNotFoundError("compiled kernels are not kept")
+    folder = Path(path)
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 def load(kinds: str) -> None:
@@ -36,12 +46,12 @@ def load(kinds: str) -> None:
     had, kernels are compiled here.
     """
     module = importlib.import_module(kinds)
-    done = Path(str(surface_flexibility.stats.cache_path)) / f"{_state(kinds)}.compiled"
-    if forks.POSSIBLE and not done.exists():
-        with alone(), suppress(OSError):  # a cache that cannot be written is none
-            if not done.exists() and _succeeds_apart(module.warm_up):
-                done.parent.mkdir(parents=True, exist_ok=True)
-                done.touch()
+    with suppress(OSError):  # a cache that cannot be written is none
+        marker = kernels_folder() / f"{_state(kinds)}.compiled"
+        if forks.POSSIBLE and not marker.exists():
+            with alone():
+                if not marker.exists() and _succeeds_apart(module.warm_up):
+                    marker.touch()
     module.warm_up()
 
 
@@ -55,17 +65,17 @@ def compile_stage(stage: type[Stage]) -> None:
 
 def _succeeds_apart(warm_up: Callable[[], None]) -> bool:
     """Return whether a function returns in a forked process, which keeps to itself why it does not."""
-
-    def call() -> None:
+    here = os.getpid()
+    process = os.fork()
+    if process == 0:
+        status = 1
         try:
+            parent.end_with(here)
             warm_up()
-        except Exception:
-            sys.exit(1)
-
-    process = multiprocessing.get_context("fork").Process(target=call)
-    process.start()
-    process.join()
-    return process.exitcode == 0
+            status = 0
+        finally:
+            os._exit(status)
+    return os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 0
 
 
 def _state(kinds: str) -> str:
@@ -84,14 +94,10 @@ def _state(kinds: str) -> str:
 
 @contextmanager
 def alone() -> Iterator[None]:
-    """Wait until no other process of this user compiles inside such a block, and keep others waiting."""
-    if sys.platform == "win32":
-        yield
-        return
-    import fcntl
-
-    folder = cache_folder()
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / LOCK).open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+    """Wait until no other process compiles into the cache inside such a block, and keep others waiting."""
+    with ExitStack() as stack:
+        with suppress(OSError):  # a cache that cannot be written is none
+            descriptor = os.open(kernels_folder(), os.O_RDONLY)
+            stack.callback(os.close, descriptor)
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield

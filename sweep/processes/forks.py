@@ -1,0 +1,117 @@
+"""One process that has imported everything and loaded the compiled kernels, from which workers are forked.
+
+It gets ready while the driver still plans, and has one thread only, so that forking it is safe. A worker that
+replaces a dead one is there at once, and workers share the memory of what they all need. Only this process
+compiles where nothing is in the cache yet: two that compile into it at once can crash.
+
+It ends with the driver, and what is forked from it ends with it. Neither takes Ctrl-C or a hang-up, which a
+terminal sends to all processes: the driver stops them.
+"""
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
+from contextlib import contextmanager
+from multiprocessing import forkserver, get_context, resource_tracker
+from multiprocessing.connection import Connection
+from threading import Thread
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
+
+KINDS = "RAILVIB_KINDS"
+"""Environment variable with the module whose kernels are loaded."""
+DRIVER = "RAILVIB_DRIVER"
+"""Environment variable with the number of the process that starts one."""
+THREADS = {
+    "NUMBA_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""Environment of worker processes; numba and BLAS read it when they are imported."""
+POSSIBLE = sys.platform == "linux"
+"""Whether forking is possible and safe."""
+_started = False
+
+
+def start(kinds: str) -> None:
+    """Start the process, without waiting for it, to load the kernels of a module's kinds."""
+    global _started
+    if not POSSIBLE:
+        return
+    resource_tracker.ensure_running()  # which would unblock the signals when it is started below
+    with _environment({**THREADS, KINDS: kinds, DRIVER: str(os.getpid())}), signals_blocked():
+        forkserver.set_forkserver_preload(["sweep.processes.server"])
+        forkserver.ensure_running()
+        _started = True
+
+
+def running() -> bool:
+    """Return whether the process has been started; it may still be getting ready."""
+    return _started
+
+
+def submit(function: Callable[..., Result], *arguments: Any) -> Callable[[], Result]:
+    """Call a function in a process forked for it, without waiting; what is returned waits for its result."""
+    future: Future[Result] = Future()
+    # A thread, as forking takes until the process from which it is done is ready; nobody waits for it to end.
+    Thread(target=_call, args=(future, function, arguments), daemon=True).start()
+    return future.result
+
+
+def _call(future: Future[Result], function: Callable[..., Result], arguments: tuple[Any, ...]) -> None:
+    context = get_context("forkserver")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_answer, args=(sender, function, arguments), daemon=True)
+    try:
+        process.start()
+        sender.close()
+        error, result = receiver.recv()
+        process.join()
+    except EOFError:
+        future.set_exception(RuntimeError(f"{function.__name__}: its process died; was memory short?"))
+    except BaseException as fault:
+        future.set_exception(fault)
+    else:
+        if error is None:
+            future.set_result(result)
+        else:
+            future.set_exception(error)
+
+
+def _answer(sender: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    """Send the error of a call, or None, and its result."""
+    try:
+        result = function(*arguments)
+    except Exception as error:
+        sender.send((error, None))
+    else:
+        sender.send((None, result))
+
+
+@contextmanager
+def _environment(variables: Mapping[str, str]) -> Iterator[None]:
+    """Set variables of the environment meanwhile."""
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextmanager
+def signals_blocked() -> Iterator[None]:
+    """Let processes started meanwhile take neither Ctrl-C nor a hang-up; what arrives here is kept."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
