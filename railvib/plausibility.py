@@ -9,9 +9,11 @@ import numpy as np
 from railvib.errors import InputError, PlausibilityWarning
 from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground
+from railvib.parameters.speed import FASTEST_KMH, SLOWEST_KMH
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
+from railvib.parameters.validation import warn
 from railvib.soil.surface_waves import surface_wave_speeds
 from railvib.transfer.critical_speed import critical_speed
 from railvib.transfer.passivity import nonpassive_ranges
@@ -62,6 +64,35 @@ def check_damping(ground: Ground) -> None:
         Naming the layer.
     """
     ground.require_damping(LEAST_LOSS_FACTOR)
+
+
+def check_inputs(ground: Ground, track: Track, speed: float) -> None:
+    """Refuse a speed that no train has; warn about what is unusual in a ground and a track.
+
+    Parameters
+    ----------
+    ground, track
+        The ground, and the track on it.
+    speed
+        m/s.
+
+    Raises
+    ------
+    InputError
+        With the range of speeds.
+
+    Warns
+    -----
+    PlausibilityWarning
+        With the path of each value, such as ``ground.layers[0].density_kg_m3``.
+    """
+    if not SLOWEST_KMH <= KMH * speed <= FASTEST_KMH:
+        raise InputError(
+            f"speed = {speed} m/s: must be from {SLOWEST_KMH / KMH:.3g} to {FASTEST_KMH / KMH:.3g} m/s, "
+            f"{SLOWEST_KMH:g} to {FASTEST_KMH:g} km/h"
+        )
+    warn(ground.cautions(), "ground")
+    warn(track.cautions(), "track")
 
 
 def check_speed(ground: Ground, track: Track, speed: float) -> None:

@@ -14,11 +14,11 @@ from railvib.numerics import third_octaves, threads
 from railvib.parameters.approach import APPROACHES, Approach, Averaging
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
-from railvib.parameters.receiver import RAIL, Receiver
+from railvib.parameters.receiver import FARTHEST, RAIL, Receiver
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
-from railvib.plausibility import check_contact, check_damping, check_speed, check_tolerance
+from railvib.plausibility import check_contact, check_damping, check_inputs, check_speed, check_tolerance
 from railvib.psd.spectra import Spectra
 from railvib.stages.graph import case_spectra, evaluate
 from railvib.stages.transfer_table import TransferTable
@@ -160,7 +160,8 @@ def predict(
         If a value is out of range.
     """
     receivers = _receivers(offsets, rail)
-    _check(speed, receivers, approaches, refinement)
+    _check(receivers, approaches, refinement)
+    check_inputs(ground, track, speed)
     check_tolerance(tolerance)
     check_damping(ground)
     check_speed(ground, track, speed)
@@ -191,12 +192,10 @@ def _receivers(offsets: Iterable[float], rail: bool) -> tuple[Receiver, ...]:
     return (*([RAIL] if rail else []), *(Receiver(offset) for offset in ground))
 
 
-def _check(speed: float, receivers: Sequence[Receiver], approaches: Sequence[str], refinement: int) -> None:
-    if not (np.isfinite(speed) and speed > 0.0):
-        raise InputError(f"speed = {speed} m/s: must be positive and finite")
+def _check(receivers: Sequence[Receiver], approaches: Sequence[str], refinement: int) -> None:
     for receiver in receivers:
-        if receiver.offset is not None and not (np.isfinite(receiver.offset) and receiver.offset >= 0.0):
-            raise InputError(f"offset = {receiver.offset} m: must be finite and not negative")
+        if receiver.offset is not None and not 0.0 <= receiver.offset <= FARTHEST:
+            raise InputError(f"offset = {receiver.offset} m: must be from 0 to {FARTHEST:g} m")
     for approach in approaches:
         if approach not in APPROACHES:
             raise InputError(f"approach = {approach!r}: must be one of {', '.join(APPROACHES)}")

@@ -96,6 +96,10 @@ def sample(items: Sequence[Item], most: int) -> list[Item]:
     return [items[round(place)] for place in np.linspace(0, len(items) - 1, most)]
 
 
+_LONGEST_NAME = 200
+"""Characters of a file's name, without what tells it from equal ones and its ending; systems take 255."""
+
+
 class _Names:
     """Gives every figure a file name of plain letters that no other one has."""
 
@@ -115,7 +119,7 @@ class _Names:
                 f"{combination.speed_kmh:g}-kmh",
             )
             parts += [values[place] for place in self._varying]
-        base = "-".join(re.sub(r"[^a-z0-9]+", "-", part.lower()).strip("-") for part in parts)
+        base = "-".join(re.sub(r"[^a-z0-9]+", "-", part.lower()).strip("-") for part in parts)[:_LONGEST_NAME]
         free = next(name for name in self._candidates(base) if name not in self._taken)
         self._taken.add(free)
         return free

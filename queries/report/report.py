@@ -60,7 +60,9 @@ def shown(path: Path) -> tuple[str, ...]:
 
 def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
     """Return the page, piece by piece."""
-    row = connection.execute("SELECT study FROM runs ORDER BY sequence DESC LIMIT 1").fetchone()
+    row = connection.execute(
+        "SELECT coalesce(resolved_study ->> '$.study.title', study) FROM runs ORDER BY sequence DESC LIMIT 1"
+    ).fetchone()
     said = {
         "study": str(row[0] if row and row[0] else "results"),
         "snapshot": " ".join(database.snapshot(connection)),

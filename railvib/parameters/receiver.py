@@ -6,6 +6,9 @@ from typing import Any, Literal
 Key = str | float
 """How a receiver stands in identities and stored records: ``"rail"``, or the offset in m."""
 
+FARTHEST = 2000.0
+"""Largest offset, m: beyond it nothing of a train is left, and tables grow with the distance."""
+
 
 @dataclass(frozen=True, slots=True)
 class Receiver:

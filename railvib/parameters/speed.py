@@ -6,9 +6,10 @@ from pydantic import Field
 
 from railvib.parameters.validation import Number
 
-SpeedKmh = Annotated[Number, Field(ge=1.0, le=1000.0)]
-
+SLOWEST_KMH, FASTEST_KMH = 1.0, 1000.0
 SLOWEST_USUAL_KMH = 10.0
+
+SpeedKmh = Annotated[Number, Field(ge=SLOWEST_KMH, le=FASTEST_KMH)]
 
 
 def slow(speed_kmh: float) -> str:

@@ -129,7 +129,8 @@ def check(
 
 def describe(request: Request, planned: Estimate, directory: Path, workers: int | None) -> str:
     """Return the plan in plain lines: cases, tasks, what is there already, bytes, memory and time."""
-    axes = request.resolved.study.sweep
+    study = request.resolved.study
+    axes = study.sweep
     counts = [
         f"{number} {one if number == 1 else several}"
         for one, several, number in (
@@ -141,9 +142,10 @@ def describe(request: Request, planned: Estimate, directory: Path, workers: int 
         )
     ]
     plan = request.plan
-    approaches = request.resolved.study.approaches.compare
+    approaches = study.approaches.compare
     lines = [
-        f"study       {request.resolved.study.study.name}, to {directory}",
+        *([f"title       {study.study.title}"] if study.study.title else []),
+        f"study       {study.study.name}, to {directory}",
         f"cases       {len(request.cases)} ({' x '.join(counts)})",
         f"approaches  {len(approaches)} ({', '.join(approaches)})",
         f"results     {len(plan.units)} needed, {len(plan.units) - len(plan.missing)} there already",

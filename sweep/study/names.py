@@ -5,8 +5,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Strict
 
-LONGEST = 50
-"""Bytes: the name of a figure is made of up to four names, and a file's has at most 255 bytes."""
+LONGEST = 100
+"""Bytes; a file's name may have 255, and more stands in it than one name."""
 
 DEVICES = {
     "con",

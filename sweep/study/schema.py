@@ -10,6 +10,7 @@ from railvib.errors import InputError
 from railvib.numerics.third_octaves import midbands
 from railvib.parameters.approach import Approach, Averaging
 from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.receiver import FARTHEST
 from railvib.parameters.speed import SpeedKmh, slow
 from railvib.parameters.validation import Number, Parameters, keys
 from sweep.study.names import Name, check_name
@@ -23,7 +24,7 @@ LARGEST_LIST = 1000
 Hertz = Annotated[Number, Field(ge=0.1, le=500.0)]
 """Midbands for which the physics has been verified."""
 
-Offset = Annotated[Number, Field(ge=0.0, le=2000.0)]
+Offset = Annotated[Number, Field(ge=0.0, le=FARTHEST)]
 Truth = Annotated[bool, Strict()]
 
 

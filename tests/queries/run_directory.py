@@ -115,6 +115,7 @@ class Study:
         host_class: str = "x86_64-2",
         name: str = "paper",
         zero_band: bool = False,
+        title: str | None = None,
     ) -> Path:
         """Write one run; `lost` names the approaches whose spectra fail."""
         cases = []
@@ -171,7 +172,10 @@ class Study:
             {
                 "schema": 1,
                 "run_id": run_id,
-                "study": {"study": {"name": name}, "output": {"narrow_band": narrow_band}},
+                "study": {
+                    "study": {"name": name, **({"title": title} if title else {})},
+                    "output": {"narrow_band": narrow_band},
+                },
                 "study_name": name,
                 "versions": {"numpy": "2.4"},
                 "model_version": "1",

@@ -196,12 +196,12 @@ class TestVariants:
 
 
 class TestRefusals:
-    @pytest.mark.parametrize("speed", [0.0, -10.0, np.nan, np.inf])
+    @pytest.mark.parametrize("speed", [0.0, -10.0, 1e-3, 3e8, np.nan, np.inf])
     def test_speed(self, speed, track, single):
         with pytest.raises(InputError, match=r"speed = .* m/s"):
             predict(SOFT, track, single, ROUGH, speed, [8.0])
 
-    @pytest.mark.parametrize("offset", [-1.0, np.nan, np.inf])
+    @pytest.mark.parametrize("offset", [-1.0, 1e5, np.nan, np.inf])
     def test_offset(self, offset, track, single):
         with pytest.raises(InputError, match=r"offset = .* m"):
             predict(SOFT, track, single, ROUGH, SPEED, [8.0, offset])

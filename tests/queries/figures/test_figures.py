@@ -89,6 +89,13 @@ def test_soils_that_look_alike_in_a_file_name_stay_apart(study):
     assert found == ["figure-04-receptance-a-b", "figure-05-receptance-a-b", "figure-05-receptance-a-b-2"]
 
 
+def test_long_names_of_soils_make_names_of_files(study):
+    directory = study.write(soils=("s" * 250, "s" * 251), lines=10)
+    ingest(directory)
+    assert all(len(name) < 220 for name in names(directory))
+    assert len(draw(directory)) == len(names(directory))
+
+
 def test_many_cases_are_sampled_and_it_is_said(study):
     directory = study.write(soils=tuple(f"soil {n}" for n in range(7)), speeds=(100.0, 150.0), lines=10)
     ingest(directory)

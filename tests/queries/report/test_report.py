@@ -138,6 +138,13 @@ def test_names_are_text(study):
     assert name in words
 
 
+@pytest.mark.parametrize(("title", "heading"), [(None, "paper"), ("Line 4 – Nord", "Line 4 – Nord")])
+def test_the_title_of_a_study_heads_its_report(study, title, heading):
+    text = made(study.write(title=title, lines=20))
+    assert f"<h1>{heading}</h1>" in text
+    assert f"<title>Ground vibration: {heading}</title>" in text
+
+
 def test_a_failure_is_said_in_the_report(study):
     words = " ".join(Page(made(study.write(lost=("full",), lines=20))).words)
     assert "full lacks results in 2 of 2 cases (ArithmeticError: no <b>solution</b>)" in words
