@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 STUDY = click.Path(dir_okay=False, path_type=Path)
 DIRECTORY = click.Path(file_okay=False, path_type=Path)
 _RUNS = Path("runs")
+_PLANNED_AT_ONCE = 5000
+"""Cases that are planned before anybody wonders."""
+_PLANNING_S = 1.2e-3
+"""Per case; measured with two approaches."""
 
 STORED = click.option(
     "--store",
@@ -172,7 +176,11 @@ def _load(path: Path) -> "Resolved":
     from sweep import study
 
     with _cautions():
-        return study.load(path)
+        resolved = study.load(path)
+    combinations = resolved.study.sweep.combinations
+    if combinations > _PLANNED_AT_ONCE:
+        _say(f"planning {combinations} cases, some {combinations * _PLANNING_S:.2g} s", err=True)
+    return resolved
 
 
 @contextmanager

@@ -1,6 +1,5 @@
 """A study, its cases and the plan of what it needs, checked against a directory before anything runs."""
 
-import math
 from collections.abc import Mapping, Set
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -85,7 +84,7 @@ def check_number(resolved: Resolved) -> None:
         Naming the longest axis.
     """
     axes = {name: getattr(resolved.study.sweep, name) for name in type(resolved.study.sweep).model_fields}
-    number = math.prod(map(len, axes.values()))
+    number = resolved.study.sweep.combinations
     if number > MOST_CASES:
         longest = max(axes, key=lambda name: len(axes[name]))
         raise InputError(

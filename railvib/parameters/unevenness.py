@@ -128,7 +128,7 @@ class Unevenness(Parameters):
         alternatives = OWN_FIELDS.get(self.form, ((),))
         given = tuple(name for name in FORM_FIELDS if getattr(self, name) is not None)
         if given not in alternatives:
-            needed = " or ".join(" and ".join(map(_key, own)) for own in alternatives) or "no further key"
+            needed = " or ".join(" and ".join(map(_key, names)) for names in alternatives) or "no further key"
             raise ValueError(
                 f"form = {self.form!r} needs {needed}, here given: {', '.join(map(_key, given)) or 'none'}"
             )
@@ -215,8 +215,8 @@ class Unevenness(Parameters):
         """
         beta = np.asarray(wavenumber, dtype=np.float64)
         if not np.all((beta > 0.0) & np.isfinite(beta)):
-            bad = beta[~((beta > 0.0) & np.isfinite(beta))].flat[0]
-            raise InputError(f"wavenumber = {bad:g} rad/m: must be positive and finite")
+            refused = beta[~((beta > 0.0) & np.isfinite(beta))].flat[0]
+            raise InputError(f"wavenumber = {refused:g} rad/m: must be positive and finite")
         lowest, highest = _wavenumbers(*self.cut_offs)
         return np.where((beta >= lowest) & (beta <= highest), self._uncut_psd(beta), 0.0)
 

@@ -189,9 +189,9 @@ def chain_flexibilities(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArr
     """
     omega = np.asarray(angular_frequency, dtype=np.float64)
     if not np.all(np.isfinite(omega)) or np.any(omega == 0.0):
-        bad = omega[~np.isfinite(omega) | (omega == 0.0)].flat[0]
+        refused = omega[~np.isfinite(omega) | (omega == 0.0)].flat[0]
         raise InputError(
-            f"angular_frequency = {bad:g} rad/s: must be finite and not 0, where a free vehicle has none"
+            f"angular_frequency = {refused:g} rad/s: must be finite and not 0, where a free vehicle has none"
         )
 
     # Dynamic stiffnesses per wheelset: a mass m counts as −ω²m.

@@ -1,5 +1,6 @@
 """The sections of a study file, and what each of their keys may be."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, Self, TypeVar
 
@@ -139,6 +140,11 @@ class Axes(Section):
         Field(min_length=1, max_length=LARGEST_AXIS),
         AfterValidator(_once),
     ]
+
+    @property
+    def combinations(self) -> int:
+        """How many combinations of their values there are."""
+        return math.prod(len(values) for values in dict(self).values())
 
     def unusual(self) -> Iterator[str]:
         """Yield that the slowest speed is hardly one of trains."""

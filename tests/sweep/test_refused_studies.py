@@ -81,6 +81,21 @@ def test_a_refusal_is_one_line_and_writes_nothing(tmp_path, monkeypatch, command
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
+def test_more_cases_than_can_be_planned_are_refused_before_they_are_enumerated(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    speeds = "{ start = 10, stop = 1000, number = 99999 }"
+    soils = STUDY.replace('["horstwalde"]', '["horstwalde", "greby", "mine"]').replace("[30]", speeds)
+    half_space = SOIL.replace("thickness_m = 1e-6, ", "")
+    (tmp_path / "study.toml").write_text(f"{soils}\n[soil.mine]\n{half_space}\n", encoding="utf-8")
+    result = invoke("plan", "study.toml")
+    assert result.exit_code == 2, result.output
+    planning, refusal = result.stderr.splitlines()
+    assert planning == "planning 299997 cases, some 3.6e+02 s"
+    assert refusal.startswith(
+        "Error: sweep.speed_kmh: 99999 values make 299997 cases; must be at most 200000"
+    )
+
+
 def test_what_is_unusual_is_a_warning_of_the_plan(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     study = STUDY.replace('name = "small"', 'name = "small"\ntitle = "A slow train – for once"')
