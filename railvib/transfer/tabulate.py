@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics.refinement import search_levels
+from railvib.numerics.refinement import Panels, divide, halve, search_levels
+from railvib.numerics.wavenumber_panels import nodes_between, unresolved
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import CENTRE, Receiver
 from railvib.parameters.track import Track
@@ -20,12 +21,15 @@ from railvib.soil.fits import GroundFits
 from railvib.transfer.evaluation import Evaluation, Model, compliance_error
 from railvib.transfer.intensity import square_level
 from railvib.transfer.interpolation_error import HalfwayCheck, halfway_places
-from railvib.transfer.resolution import resolve_nodes
+from railvib.transfer.nodes import Nodes, node_range
 from railvib.transfer.samples import Samples
 from railvib.transfer.table import SharedTable, TransferBlock
 
 TIGHTEST, LOOSEST = 1e-6, 1e-2
 """Tolerances that can be asked for; the rational fits are asked for a millionth of them."""
+_MOST_HALVINGS = 12
+_RESOLVED = 1e-2
+"""Size of a panel's last Legendre coefficients, over tolerance times peak, that resolves it."""
 _CHECKS = 5
 """Places between the frequencies of a level at which a table is checked."""
 VALUES_AT_ONCE = 32
@@ -98,12 +102,37 @@ def transfer_blocks_by_class(
     for receiver in receivers:
         classes.setdefault(distance_class(receiver), set()).add(receiver)
     for reach, members in sorted(classes.items()):
-        nodes = resolve_nodes(model(fits, track, (0.0, reach), tolerance), tolerance, refinement)
+        nodes = _resolve_nodes(model(fits, track, (0.0, reach), tolerance), tolerance, refinement)
         receiver_class = _ReceiverClass(compliance_error(fits, track, reach, tolerance))
         ordered = sorted(members, key=lambda receiver: receiver.rank)
         for first in range(0, len(ordered), VALUES_AT_ONCE):
             samples = Samples(model, fits, track, nodes, tolerance)
             yield from _tables(samples, ordered[first : first + VALUES_AT_ONCE], receiver_class, refinement)
+
+
+def _resolve_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> Nodes:
+    """Halve panels until the last Legendre coefficients of every function are small, at three frequencies."""
+    ground, block = evaluate.fits.ground, evaluate.fits.block
+    ks = blocks.indices(block, 0)[[0, blocks.HALO + blocks.STEPS // 2, -1]]
+    frequency = blocks.frequency(0, ks)
+    top, largest = node_range(ground, evaluate.track, float(frequency[-1]), refinement)
+    first = np.unique(
+        [0.0, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, *(1.0 / (speed * top) for speed in ground.wave_speeds())]
+    )
+    peak = np.zeros((ks.size, 1 + evaluate.offsets.size))
+
+    def check(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
+        # Each panel alone, between its own two edges.
+        edge = Nodes(top, largest, panels.edges.ravel()).panel_edges(frequency)
+        beta = nodes_between(edge.reshape(ks.size, -1, 2)).reshape(ks.size, -1)
+        values = np.array([evaluate(0, int(k), row) for k, row in zip(ks, beta, strict=True)])
+        np.maximum(peak, np.abs(values).max(axis=2), out=peak)
+        bad = unresolved(values) > _RESOLVED * tolerance * peak[..., None]
+        return panels.low, np.asarray(bad.any(axis=(0, 1)))
+
+    low = np.concatenate([part for _panels, part in halve(Panels.between(first), check, _MOST_HALVINGS)])
+    edge = np.append(np.sort(low), 2.0)
+    return Nodes(top, largest, divide(edge, refinement))
 
 
 class _ReceiverClass:

@@ -25,6 +25,7 @@ from sweep.host import host_class
 from sweep.processes import compiling
 from sweep.storage import fields, location, records, store
 from sweep.storage.cache import CACHE_BYTES, Cache, Latest
+from sweep.storage.group_writer import Writer, Written, restore
 from sweep.unit import Unit, registry, stage_class, unit_of
 
 NEGLIGIBLE_S = 2e-5
@@ -168,7 +169,7 @@ def _compute(missing: list[Unit], place: Place, started: str) -> Iterator[tuple[
     units = {unit.stage: unit for unit in missing}
     read = Reader(place)
     batches = computing.compute_together(list(units), lambda stage: read(unit_of(stage)))
-    writers = {home: store.Writer(home) for home in place.homes}
+    writers = {home: Writer(home) for home in place.homes}
     while True:
         cpu, wall = time.process_time(), time.perf_counter()
         with cost.collect() as costs, warnings.catch_warnings(record=True) as caught:
@@ -189,12 +190,12 @@ def _record(
     costs: list[cost.StageCost],
     cautions: list[str],
     place: Place,
-    writers: Mapping[str, store.Writer],
+    writers: Mapping[str, Writer],
     started: str,
 ) -> Iterator[tuple[bool, int, list[str]]]:
     """Store and commit a batch; yield what `_compute` does."""
     shares = {unit: _share(unit, batch, costs) for unit in batch}
-    stored: dict[str, list[tuple[Unit, dict[str, Any], store.Written]]] = {home: [] for home in writers}
+    stored: dict[str, list[tuple[Unit, dict[str, Any], Written]]] = {home: [] for home in writers}
     for group in _groups(batch):
         home = place.home(next(iter(group)))
         stored[home] += _store(group, shares, cautions, place, writers[home], started)
@@ -206,7 +207,7 @@ def _record(
         firsts = records.commit_many(home, [record for _, record, _ in made])
         for (unit, _, written), first in zip(made, firsts, strict=True):
             if first and unit.scope != "case":  # what belongs to one case no other task reads
-                _hold(unit, place, store.restored(written, unit.stage.result))
+                _hold(unit, place, restore(written, unit.stage.result))
                 _recorded[place.directory, unit.id] = home, written.recorded()
             yield first, written.bytes_written, cautions
             records.forget_failure(place.directory, unit.id)
@@ -283,9 +284,9 @@ def _store(
     shares: Mapping[Unit, list[dict[str, Any]]],
     cautions: list[str],
     place: Place,
-    writer: store.Writer,
+    writer: Writer,
     started: str,
-) -> list[tuple[Unit, dict[str, Any], store.Written]]:
+) -> list[tuple[Unit, dict[str, Any], Written]]:
     """Store results as one group; return of each its unit, its record and what was written."""
     cpu, wall = time.process_time(), time.perf_counter()
     first = next(iter(group))

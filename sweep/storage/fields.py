@@ -46,9 +46,14 @@ class Parts(NamedTuple):
         return self._replace(own=self.own._replace(attributes=self.own.attributes | attributes))
 
     @property
+    def shared_attributes(self) -> dict[str, Any]:
+        """Attributes of what is shared."""
+        return {name: value for part in self.shared for name, value in part.attributes.items()}
+
+    @property
     def attributes(self) -> dict[str, Any]:
         """All attributes."""
-        return {name: value for part in (*self.shared, self.own) for name, value in part.attributes.items()}
+        return self.shared_attributes | self.own.attributes
 
     @property
     def arrays(self) -> Arrays:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sweep.storage import records, store
+from sweep.storage import group_writer, records
 
 APPROACHES = ("moving-roughness", "moving-roughness-uncorrelated", "full")
 BANDS = 10.0 ** (np.arange(0, 21) / 10.0)
@@ -259,7 +259,7 @@ class Study:
     ) -> None:
         if records.find(self.directory, kind, unit_id):
             return
-        written = store.write(self.directory, f"{kind}/{unit_id}", result, {})
+        written = group_writer.write(self.directory, f"{kind}/{unit_id}", result, {})
         cost = COSTS[kind] if cost is None else cost
         records.commit(
             self.directory,

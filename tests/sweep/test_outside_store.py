@@ -16,7 +16,7 @@ from queries.database import ingest
 from sweep import plan
 from sweep.running import scheduler, task
 from sweep.running.task import Place
-from sweep.storage import checksums, location, records, store
+from sweep.storage import checksums, group_writer, location, records, store
 from tests.sweep import toy
 from tests.sweep.s3_server import SECRET, s3
 from tests.sweep.small import STUDY, invoke
@@ -164,7 +164,7 @@ def test_damage_outside_is_found_on_use_and_made_good(tmp_path, outside, harm):
 
 def test_of_two_results_that_differ_one_counts_and_neither_is_torn(tmp_path, outside):
     results = [toy.Numbers(np.arange(3.0) + 1e-16 * place, "", ()) for place in (0, 2)]
-    written = [store.write(outside, "square/x", result, {}) for result in results]
+    written = [group_writer.write(outside, "square/x", result, {}) for result in results]
     won = [
         records.commit(
             outside,

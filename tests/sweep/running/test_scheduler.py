@@ -9,7 +9,7 @@ import pytest
 from sweep import plan
 from sweep.running import scheduler, task
 from sweep.running.task import Place
-from sweep.storage import records, store
+from sweep.storage import group_writer, records, store
 from sweep.storage.cache import Cache
 from sweep.workers import dask_cluster
 from tests.sweep import toy
@@ -79,7 +79,7 @@ def test_of_a_result_that_came_second_nothing_is_held(tmp_path):
     task.forget()
     record = records.find(tmp_path, unit.kind, unit.id)
     other = toy.Numbers(np.full(3, 7.0), "square of 1", (1, 2))
-    written = store.write(tmp_path, "square/other", other, {})
+    written = group_writer.write(tmp_path, "square/other", other, {})
     find = Place.find
     with pytest.MonkeyPatch.context() as patch:
 
@@ -120,7 +120,7 @@ def test_a_record_is_read_once(tmp_path, remembered, monkeypatch):
 
 def test_a_record_that_has_been_replaced_since_gives_way_to_the_one_that_stands(tmp_path, remembered):
     unit, record = remembered
-    other = store.write(tmp_path, "square/other", toy.Numbers(np.full(3, 7.0), "another", (1, 2)), {})
+    other = group_writer.write(tmp_path, "square/other", toy.Numbers(np.full(3, 7.0), "another", (1, 2)), {})
     shutil.rmtree(tmp_path / store.STORE / record["group"])
     records.withdraw(tmp_path, unit.kind, unit.id)
     records.commit(tmp_path, {**record, **other.recorded()})

@@ -13,7 +13,7 @@ import zarr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sweep.storage import checksums, codec, fields, store
+from sweep.storage import checksums, codec, fields, group_writer, store
 from sweep.storage.cache import Latest
 
 
@@ -89,7 +89,7 @@ def spectrum():
 
 
 def write(home, spectrum):
-    return store.write(home, "spectrum/1", spectrum, {"kind": "spectrum"})
+    return group_writer.write(home, "spectrum/1", spectrum, {"kind": "spectrum"})
 
 
 def read(home, written):
@@ -109,10 +109,10 @@ def test_a_result_comes_back_bit_by_bit(tmp_path, spectrum):
     assert written.bytes_written == sum(path.stat().st_size for path in files)
 
 
-@pytest.mark.parametrize("chunk_bytes", [200, store.CHUNK_BYTES])
+@pytest.mark.parametrize("chunk_bytes", [200, group_writer.CHUNK_BYTES])
 def test_a_group_in_the_earlier_form_comes_back(tmp_path, spectrum, monkeypatch, chunk_bytes):
     """Chunks once lay in folders of their own, `c/0/0`."""
-    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    monkeypatch.setattr(group_writer, "CHUNK_BYTES", chunk_bytes)
     with monkeypatch.context() as earlier:
         earlier.setattr(codec, "_SEPARATOR", "/")
         written = write(tmp_path, spectrum)
@@ -147,7 +147,7 @@ def test_what_was_written_is_restored_as_it_is_read(tmp_path, spectrum):
     """Whatever the order of an array in memory was: arithmetic may depend on that."""
     turned = dataclasses.replace(spectrum, transfer=np.asfortranarray(spectrum.transfer))
     written = write(tmp_path, turned)
-    held, found = store.restored(written, Spectrum), read(tmp_path, written)
+    held, found = group_writer.restore(written, Spectrum), read(tmp_path, written)
     assert_equal(held, found)
     for each in dataclasses.fields(Spectrum):
         one, other = getattr(held, each.name), getattr(found, each.name)
@@ -184,7 +184,7 @@ def test_the_store_can_be_walked_and_a_missing_chunk_is_nan(tmp_path, spectrum):
 
 
 def test_large_arrays_are_cut_along_rows(tmp_path, spectrum, monkeypatch):
-    monkeypatch.setattr(store, "CHUNK_BYTES", 200)
+    monkeypatch.setattr(group_writer, "CHUNK_BYTES", 200)
     written = write(tmp_path, spectrum)
     array = zarr.open_group(tmp_path / store.STORE, mode="r")[f"{written.group}/transfer"]
     assert array.chunks == (2, 5)
@@ -210,7 +210,8 @@ def assert_same_table(one, other):
 def stored_together(home, *labels):
     """Store tables as one group; return what was written by label."""
     made = {label: fields.split(TABLES[label]).with_attributes(unit_id=f"id-{label}") for label in labels}
-    return dict(zip(labels, store.Writer(home).together("table/1", made, {"kind": "table"}), strict=True))
+    written = group_writer.Writer(home).together("table/1", made, {"kind": "table"})
+    return dict(zip(labels, written, strict=True))
 
 
 @pytest.fixture(params=["needed", "whole"])
@@ -239,9 +240,9 @@ def test_results_that_differ_in_what_is_their_own_lie_together():
         assert fields.split(other).group_key != keys["8"]
 
 
-@pytest.mark.parametrize("chunk_bytes", [20, store.CHUNK_BYTES])
+@pytest.mark.parametrize("chunk_bytes", [20, group_writer.CHUNK_BYTES])
 def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member, monkeypatch, chunk_bytes):
-    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    monkeypatch.setattr(group_writer, "CHUNK_BYTES", chunk_bytes)
     written = stored_together(tmp_path, "8", "12.5")
     assert written["8"].group == written["12.5"].group
     folder = tmp_path / store.STORE / written["8"].group
@@ -251,7 +252,7 @@ def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member, monkeyp
     )
     for label, each in written.items():
         assert_same_table(read_member(each), TABLES[label])
-        assert_same_table(store.restored(each, Table), TABLES[label])
+        assert_same_table(group_writer.restore(each, Table), TABLES[label])
         store.check(tmp_path, each.recorded())
         stored = store.read_array(tmp_path, each.group, each.member, "ground")
         np.testing.assert_array_equal(stored, TABLES[label].transfer)
@@ -263,9 +264,9 @@ def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member, monkeyp
     assert attributes == {"kind": "table", "level": 3, **said}
 
 
-@pytest.mark.parametrize("chunk_bytes", [20, store.CHUNK_BYTES])
+@pytest.mark.parametrize("chunk_bytes", [20, group_writer.CHUNK_BYTES])
 def test_a_group_of_several_results_opens_as_one_dataset(tmp_path, monkeypatch, chunk_bytes):
-    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    monkeypatch.setattr(group_writer, "CHUNK_BYTES", chunk_bytes)
     written = stored_together(tmp_path, "8", "12.5")
     with xarray.open_zarr(tmp_path / store.STORE / written["8"].group) as dataset:
         assert dataset.attrs == {"kind": "table", "level": 3}
@@ -334,7 +335,7 @@ def test_results_that_differ_in_other_things_are_refused(tmp_path):
     for other in (TABLES["24"], TABLES["rail"], level):
         named = {"one": fields.split(TABLES["8"]), "other": fields.split(other)}
         with pytest.raises(ValueError, match="differ in what is not their own"):
-            store.Writer(tmp_path).together("table/1", named, {})
+            group_writer.Writer(tmp_path).together("table/1", named, {})
     assert list(tmp_path.iterdir()) == []
 
 
@@ -408,7 +409,7 @@ def test_what_results_share_is_stored_once(tmp_path, monkeypatch, linking):
             link(there, name)
 
         monkeypatch.setattr(os, "link", of_records_alone)
-    writer = store.Writer(tmp_path)
+    writer = group_writer.Writer(tmp_path)
     made = [TABLES["8"], TABLES["rail"]]
     first, second = (writer(f"table/{n}", table, {}) for n, table in enumerate(made))
     assert second.arrays["frequency"] == first.arrays["frequency"]
@@ -422,7 +423,7 @@ def test_what_results_share_is_stored_once(tmp_path, monkeypatch, linking):
     assert not os.path.samefile(*(folder / "c.0" for folder in folders))
     assert (other.bytes_written < first.bytes_written) is linking
     for written, table in zip((first, second), made, strict=True):
-        alone = store.write(tmp_path / "alone", written.group.rpartition("-")[0], table, {})
+        alone = group_writer.write(tmp_path / "alone", written.group.rpartition("-")[0], table, {})
         assert (alone.group, alone.arrays, alone.metadata) == (
             written.group,
             written.arrays,
@@ -436,7 +437,7 @@ def test_what_results_share_is_stored_once(tmp_path, monkeypatch, linking):
 
 def test_what_further_groups_share_in_turn_is_stored_once(tmp_path):
     """Grids of two levels have the same edges."""
-    writer = store.Writer(tmp_path)
+    writer = group_writer.Writer(tmp_path)
     finer = dataclasses.replace(TABLES["8"], grid=Grid(np.array([1.0, 2.5]), EDGES, 4))
     folders = [
         tmp_path / store.STORE / writer(f"table/{n}", table, {}).group
@@ -447,7 +448,7 @@ def test_what_further_groups_share_in_turn_is_stored_once(tmp_path):
 
 
 def test_settling_forgets_what_one_group_alone_has(tmp_path):
-    writer = store.Writer(tmp_path)
+    writer = group_writer.Writer(tmp_path)
     tables = [dataclasses.replace(TABLES["8"], transfer=n * TABLES["8"].transfer) for n in range(3)]
     alone = dataclasses.replace(TABLES["8"], grid=Grid(np.array([3.0, 4.0]), Edges(np.array([0.0, 1.0])), 3))
     groups = [writer(f"table/{n}", table, {}).group for n, table in enumerate((*tables[:2], alone))]
@@ -461,7 +462,7 @@ def test_settling_forgets_what_one_group_alone_has(tmp_path):
 
 
 def test_what_is_in_the_place_of_something_that_is_gone_is_another(tmp_path):
-    writer = store.Writer(tmp_path)
+    writer = group_writer.Writer(tmp_path)
     written = []
     for factor in range(20):  # each grid takes the memory of the one before
         grid = Grid(factor * GRID.frequency, EDGES, 3)
@@ -474,13 +475,13 @@ def test_what_is_in_the_place_of_something_that_is_gone_is_another(tmp_path):
 
 def test_results_that_are_read_share_one_object(tmp_path):
     """Whether they lie in one group or not, and as long as one of them is in memory."""
-    writer = store.Writer(tmp_path)
+    writer = group_writer.Writer(tmp_path)
     rail = writer("table/rail", TABLES["rail"], {})
     ground = stored_together(tmp_path, "8", "12.5")
     records = [each.recorded() for each in (rail, *ground.values())]
     one, other, third = (store.read(tmp_path, kind=Table, **record) for record in records)
     assert one.grid is other.grid is third.grid
-    assert store.restored(ground["8"], Table).grid is one.grid
+    assert group_writer.restore(ground["8"], Table).grid is one.grid
     for changed, same_edges in (
         (Grid(GRID.frequency, EDGES, 4), True),
         (Grid(GRID.frequency, Edges(np.zeros(3)), 3), False),
@@ -494,7 +495,7 @@ def test_results_that_are_read_share_one_object(tmp_path):
 
 
 def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path):
-    writer = store.Writer(tmp_path)
+    writer = group_writer.Writer(tmp_path)
     made = [TABLES["8"], TABLES["rail"]]
     written = [writer(f"table/{n}", table, {}) for n, table in enumerate(made)]
     path = tmp_path / store.STORE / written[0].group / "frequency" / "c.0"
@@ -503,7 +504,7 @@ def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path)
         with pytest.raises(store.DamagedError):
             store.read(tmp_path, each.group, Table, each.arrays)
     for n, (each, table) in enumerate(zip(written, made, strict=True)):
-        store.write(tmp_path, f"table/{n}", table, {})
+        group_writer.write(tmp_path, f"table/{n}", table, {})
         assert_same_table(store.read(tmp_path, each.group, Table, each.arrays), table)
 
 
@@ -572,9 +573,9 @@ def test_an_array_is_hashed_once_but_where_all_is_to_be_compared(tmp_path, spect
     assert sorted(hashed) == sorted(2 * [(), (3,), (3,), (3, 5)])
 
 
-@pytest.mark.parametrize("chunk_bytes", [100, store.CHUNK_BYTES])
+@pytest.mark.parametrize("chunk_bytes", [100, group_writer.CHUNK_BYTES])
 def test_what_this_process_has_written_is_not_hashed(tmp_path, spectrum, hashed, monkeypatch, chunk_bytes):
-    monkeypatch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+    monkeypatch.setattr(group_writer, "CHUNK_BYTES", chunk_bytes)
     written = write(tmp_path, spectrum)
     hashed.clear()
     assert_equal(whole(tmp_path, written), spectrum)
@@ -663,7 +664,7 @@ def test_chunks_are_whole_rows_and_written_at_once(tmp_path, rows, nodes, chunk_
         example(), frequency=np.arange(rows), transfer=np.ones((rows, nodes), complex), count=np.arange(rows)
     )
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(store, "CHUNK_BYTES", chunk_bytes)
+        patch.setattr(group_writer, "CHUNK_BYTES", chunk_bytes)
         home = tmp_path / f"{rows}-{nodes}-{chunk_bytes}"
         written = write(home, made)
     array = zarr.open_group(home / store.STORE, mode="r")[f"{written.group}/transfer"]

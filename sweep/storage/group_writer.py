@@ -1,0 +1,290 @@
+"""Writing results as immutable Zarr groups.
+
+`sweep.storage.fields` says which fields of a dataclass are arrays; all others become attributes. Results that
+share most of their arrays can lie in one group, as the transfer functions of several receivers do: what is
+each one's own lies along one dimension more, every result in chunks of its own. A group is encoded in memory,
+named after its content, and never changes. An array is one chunk, or is cut along its first dimension in
+`sweep.storage.codec` alone: no caller can write part of a chunk.
+"""
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sweep.storage import checksums as compared
+from sweep.storage import codec, fields, location, records
+from sweep.storage.fields import Result
+from sweep.storage.group import MEMBERS, metadata_digest
+from sweep.storage.protocol import Content
+from sweep.storage.store import RECORDED, STORE
+
+CHUNK_BYTES = 64 * 2**20
+"""Size from which an array is cut."""
+_DIGITS = 16
+"""Hexadecimal digits of the digest in a group's name."""
+_EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
+
+
+@dataclasses.dataclass(frozen=True)
+class Written:
+    """What a write left, for the record of a result.
+
+    Attributes
+    ----------
+    group
+        Where it is in the store.
+    member
+        Which result of the group it is, if there may be others.
+    arrays
+        Per array its sha256, shape and dtype.
+    metadata
+        The sha256 of the group's attributes and of all that Zarr says of its arrays.
+    group_metadata
+        The sha256 of the group's own metadata, which repeat all of that: a reader needs no others.
+    attributes
+        Its attributes, as they are read.
+    values
+        Its arrays.
+    bytes_written
+        Its part of the bytes that the group took, without those of arrays that were there.
+    """
+
+    group: str
+    member: str | None
+    arrays: dict[str, dict[str, Any]]
+    metadata: str
+    group_metadata: str
+    attributes: dict[str, Any]
+    values: Mapping[str, NDArray[Any]]
+    bytes_written: int
+
+    def recorded(self) -> dict[str, Any]:
+        """Return what a record holds of it, to read it again and to compare it."""
+        return {name: getattr(self, name) for name in RECORDED}
+
+
+@dataclasses.dataclass
+class _Stored:
+    """How a shared part was stored: below which key, and of its arrays the metadata, chunks and checksums."""
+
+    prefix: str
+    heads: dict[str, bytes]
+    chunks: dict[str, Mapping[str, Content]]
+    checksums: dict[str, dict[str, Any]]
+    shared: bool = False
+    """Whether several groups have it."""
+
+
+@dataclasses.dataclass
+class _Encoded:
+    """The arrays of a group: of each its metadata, its chunks, and where other groups have them.
+
+    Attributes
+    ----------
+    checksums
+        Of the arrays that all results of the group have.
+    own_checksums
+        Of those that each has for itself, by label.
+    same
+        Keys of objects of other groups with the same content, by keys of this one.
+    fresh
+        Shared parts that no other group has yet.
+    """
+
+    heads: dict[str, bytes] = dataclasses.field(default_factory=dict)
+    chunks: dict[str, Mapping[str, Content]] = dataclasses.field(default_factory=dict)
+    checksums: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
+    own_checksums: dict[str | None, dict[str, dict[str, Any]]] = dataclasses.field(default_factory=dict)
+    same: dict[str, str] = dataclasses.field(default_factory=dict)
+    fresh: list[fields.Part] = dataclasses.field(default_factory=list)
+
+    def encode(self, part: fields.Part) -> None:
+        """Add the arrays of a part that no other group has."""
+        for key, (array, metadata) in part.arrays.items():
+            self.heads[key], self.chunks[key] = codec.encode_array(key, array, metadata, CHUNK_BYTES)
+            self.checksums[key] = compared.checksum(array)
+            compared.remember_chunks(codec.chunk_checksums(self.chunks[key]), self.checksums[key])
+
+    def link(self, stored: _Stored) -> None:
+        """Add the arrays of a part that another group has."""
+        self.heads |= stored.heads
+        self.chunks |= stored.chunks
+        self.checksums |= stored.checksums
+        for key, chunks in stored.chunks.items():
+            self.same |= {
+                f"{key}/{each}": f"{stored.prefix}/{key}/{each}" for each in (codec.METADATA, *chunks)
+            }
+
+    def stack(self, members: Mapping[str | None, fields.Parts]) -> None:
+        """Add what results have for themselves, array by array, one result behind the other."""
+        said = {MEMBERS: {label: parts.own.attributes for label, parts in members.items()}}
+        first = next(iter(members.values()))
+        for key, (_, metadata) in first.own.arrays.items():
+            arrays = [parts.own.arrays[key][0] for parts in members.values()]
+            form = {**metadata, "dims": (first.dimension, *metadata["dims"]), "attributes": said}
+            self.heads[key], chunks = codec.encode_stack(key, arrays, form, CHUNK_BYTES)
+            self.chunks[key] = {place: chunk for own in chunks for place, chunk in own.items()}
+            for label, array, own in zip(members, arrays, chunks, strict=True):
+                checksum = compared.checksum(array)
+                compared.remember_chunks(codec.chunk_checksums(own), checksum)
+                self.own_checksums.setdefault(label, {})[key] = checksum
+
+    def stored(self, part: fields.Part, prefix: str) -> _Stored:
+        """Return how one of its parts was stored below a key."""
+        return _Stored(
+            prefix,
+            {key: self.heads[key] for key in part.arrays},
+            {key: self.chunks[key] for key in part.arrays},
+            {key: self.checksums[key] for key in part.arrays},
+        )
+
+
+class Writer:
+    """Writes results as groups of the store at `home`.
+
+    What several results share is encoded and stored once: where the file system can, its files are given
+    another name in the groups of the others. How it was stored is remembered as long as it is in memory and,
+    after a call of `settle`, if several groups have it. Metadata that arrays have in common are stored once
+    too.
+    """
+
+    def __init__(self, home: records.Home) -> None:
+        self._home = home
+        self._stored: WeakKeyDictionary[Any, _Stored] = WeakKeyDictionary()
+        self._heads: dict[bytes, str] = {}
+        self._ensured: set[str] = set()
+
+    def __call__(self, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
+        """Write `result`, a frozen dataclass of arrays, as a group of its own, as `together` does.
+
+        Raises
+        ------
+        ValueError
+            Also if an array does not have the dimensions that its field declares.
+        """
+        (written,) = self.together(name, {None: fields.split(result)}, attributes)
+        return written
+
+    def together(
+        self, name: str, results: Mapping[str | None, fields.Parts], attributes: Mapping[str, Any]
+    ) -> list[Written]:
+        """Write results that agree in `Parts.group_key` as one group.
+
+        The group is called `name` and a digest of what is in it. So writers whose results differ in the last
+        digit never touch each other's, and a record names the group that it stands for.
+
+        Parameters
+        ----------
+        name
+            What the group is called.
+        results
+            The results by their labels; None is the label of one that is the whole group.
+        attributes
+            What is said of all of them.
+
+        Raises
+        ------
+        ValueError
+            If an attribute cannot be stored, or results share different things.
+        """
+        first, *others = results.values()
+        alone = None in results or first.dimension is None
+        if any(alone or parts.group_key != first.group_key for parts in others):
+            raise ValueError(f"{name}: results of one group differ in what is not their own")
+        group = _Encoded()
+        for part in first.shared:
+            self._add(group, part)
+        if alone:
+            group.encode(first.own)
+        array_heads = dict(group.heads)  # those that arrays of other groups may have too
+        if not alone:
+            group.stack(results)
+        for key, head in array_heads.items():
+            if head in self._heads:
+                group.same.setdefault(f"{key}/{codec.METADATA}", self._heads[head])
+        common = {**attributes, **(first.attributes if alone else first.shared_attributes)}
+        group_head = codec.encode_group(group.heads, codec.encode_attributes(common))
+        heads = {codec.METADATA: group_head}
+        heads |= {f"{key}/{codec.METADATA}": head for key, head in group.heads.items()}
+        digest = metadata_digest(heads)
+        content = json.dumps([group.checksums, list(group.own_checksums.values()), digest], sort_keys=True)
+        place = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
+        size = self._put(f"{STORE}/{place}", heads, group)
+        for key, head in array_heads.items():
+            self._heads.setdefault(head, f"{STORE}/{place}/{key}/{codec.METADATA}")
+        return [
+            Written(
+                group=place,
+                member=label,
+                arrays=group.checksums | group.own_checksums.get(label, {}),
+                metadata=digest,
+                group_metadata=hashlib.sha256(group_head).hexdigest(),
+                attributes={**attributes, **parts.attributes},
+                values={key: array for key, (array, _) in parts.arrays.items()},
+                bytes_written=size // len(results) + (number < size % len(results)),
+            )
+            for number, (label, parts) in enumerate(results.items())
+        ]
+
+    def _add(self, group: _Encoded, part: fields.Part) -> None:
+        """Add a shared part to a group."""
+        stored = self._stored.get(part.source)
+        if stored is None:
+            group.encode(part)
+            group.fresh.append(part)
+        else:
+            stored.shared = True
+            group.link(stored)
+
+    def _put(self, prefix: str, heads: Mapping[str, bytes], group: _Encoded) -> int:
+        """Write a group to its place, and remember where its shared parts are; return the bytes written."""
+        place = location.at(self._home)
+        for level in _above(prefix):
+            if level not in self._ensured:  # so that the store can be walked from its root
+                place.ensure(f"{level}/{codec.METADATA}", _EMPTY_GROUP)
+                self._ensured.add(level)
+        objects: dict[str, Content] = {**heads}
+        for key, chunks in group.chunks.items():
+            objects |= {f"{key}/{each}": chunk for each, chunk in chunks.items()}
+        written = place.put(prefix, objects, group.same)
+        for part in group.fresh:
+            self._stored[part.source] = group.stored(part, prefix)
+        return written
+
+    def settle(self) -> None:
+        """Forget how parts were stored that one group alone has so far: that takes as much memory again."""
+        for part in [part for part, stored in self._stored.items() if not stored.shared]:
+            del self._stored[part]
+
+
+def _above(key: str) -> list[str]:
+    """Return the keys of the groups above one, the root first."""
+    parts = key.split("/")[:-1]
+    return ["/".join(parts[:number]) for number in range(1, len(parts) + 1)]
+
+
+def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, Any]) -> Written:
+    """Write one result as `Writer` does."""
+    return Writer(home)(name, result, attributes)
+
+
+def restore(written: Written, kind: type[Result]) -> Result:
+    """Return what was written as `read` does, from its arrays, which are in memory still."""
+    found = compared.held(written.arrays)
+    for name, recorded in written.arrays.items():
+        if name not in found:
+            found[name] = _as_read(written.values[name])
+            compared.hold(found[name], recorded)
+    return fields.joined(kind, found, written.attributes, written.arrays)
+
+
+def _as_read(array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array in the form of one that has been read: other forms are other types to kernels."""
+    array = np.ascontiguousarray(array, array.dtype.newbyteorder("=")).reshape(array.shape)
+    return array if array.flags.writeable else array.copy()
