@@ -72,33 +72,33 @@ def _standing(
     parts: list[Means] = []
     with cost.stage("line average"):
         distance = next(iter(integrals.values())).grid.distance
-        on_lines = {receiver: each.at(frequency) for receiver, each in integrals.items()}
+        on_lines = {receiver: integral.at(frequency) for receiver, integral in integrals.items()}
     equations = AxleEquations(train, rail, frequency)
     # One set of forces takes no matrices.
     at_once = frequency.size if approach == "moving-roughness" else LINES_AT_ONCE
     for start in range(0, frequency.size, at_once):
-        here = slice(start, start + at_once)
+        rows = slice(start, start + at_once)
         if approach == "moving-roughness-by-axle":
-            matrices = equations.matrices(here)
-            sets = matrices @ phase[here, :, None]
+            matrices = equations.matrices(rows)
+            sets = matrices @ phase[rows, :, None]
             with cost.stage("line average"):
                 parts.append(
-                    _means_by_axle(position, matrices, phase[here], here, distance, on_lines, over_train)
+                    _means_by_axle(position, matrices, phase[rows], rows, distance, on_lines, over_train)
                 )
         else:
             if approach == "moving-roughness-uncorrelated":  # Eq. 28: each axle's unevenness alone
-                sets = equations.matrices(here)
+                sets = equations.matrices(rows)
             else:  # Eq. 23: one set of forces, that of all axles together
-                sets = equations.forces(here, phase[here, :, None])
+                sets = equations.forces(rows, phase[rows, :, None])
             with cost.stage("line average"):
-                parts.append(_means(position, sets, here, distance, on_lines, over_train))
+                parts.append(_means(position, sets, rows, distance, on_lines, over_train))
         floats = np.ascontiguousarray(sets).view(float)
-        force[here] = np.einsum("lan,lan->la", floats, floats)
-    joined = {
-        receiver: {name: np.concatenate([part[receiver][name] for part in parts]) for name in each}
-        for receiver, each in parts[0].items()
+        force[rows] = np.einsum("lan,lan->la", floats, floats)
+    means = {
+        receiver: {name: np.concatenate([part[receiver][name] for part in parts]) for name in by_averaging}
+        for receiver, by_averaging in parts[0].items()
     }
-    return force, joined
+    return force, means
 
 
 def _means(
@@ -110,14 +110,13 @@ def _means(
     over_train: Mapping[Receiver, TrainIntegrals],
 ) -> Means:
     """Return ∫ |u|² dx summed over sets of forces (lines, axles, sets), each alone."""
-    here = {receiver: each[rows] for receiver, each in integrals.items()}
-    means = {
-        receiver: {"line": mean} for receiver, mean in line_means(here, distance, axle_position, sets).items()
-    }
+    on_rows = {receiver: integral[rows] for receiver, integral in integrals.items()}
+    over_line = line_means(on_rows, distance, axle_position, sets)
+    means = {receiver: {"line": mean} for receiver, mean in over_line.items()}
     if over_train:
         product = force_products(sets)
-        for receiver, each in over_train.items():
-            means[receiver]["train"] = np.einsum("flm,flm->f", product, each.integral[rows]).real
+        for receiver, train in over_train.items():
+            means[receiver]["train"] = np.einsum("flm,flm->f", product, train.integral[rows]).real
     return means
 
 
@@ -132,8 +131,8 @@ def _means_by_axle(
 ) -> Means:
     """Return ∫ |u|² dx from the products H^p* H^q of the responses to each axle's unevenness (Eq. 27)."""
     means: Means = {}
-    for receiver, each in integrals.items():
-        pairs = {"line": axle_pairs(each[rows], distance, axle_position)}
+    for receiver, integral in integrals.items():
+        pairs = {"line": axle_pairs(integral[rows], distance, axle_position)}
         if over_train:
             pairs["train"] = over_train[receiver].integral[rows]
         means[receiver] = {

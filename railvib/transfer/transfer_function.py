@@ -39,9 +39,9 @@ class TransferFunction:
     @cached_property
     def _under_track(self) -> Tables | None:
         """The ground's compliance under the track over all blocks, if it is known."""
-        shared = [table.shared for table in self.blocks.values()]
-        rows = [each.rows(each.compliance) for each in shared if each.compliance is not None]
-        return join(rows) if len(rows) == len(shared) else None
+        tables = [table.shared for table in self.blocks.values()]
+        rows = [table.rows(table.compliance) for table in tables if table.compliance is not None]
+        return join(rows) if len(rows) == len(tables) else None
 
     @cached_property
     def _rail(self) -> Tables:

@@ -34,16 +34,17 @@ class Part(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """What a result consists of: what is its own, and what it shares with others."""
+    """What a result consists of: its own part, and what it shares with others."""
 
-    own: Part
+    member: Part
+    """Its own part: what tells it from other members of a group."""
     shared: tuple[Part, ...]
     dimension: str | None
     """Along which results lie that share everything else; None for a result that shares nothing."""
 
     def with_attributes(self, **attributes: Any) -> "Parts":
         """Return the same with further attributes of its own."""
-        return self._replace(own=self.own._replace(attributes=self.own.attributes | attributes))
+        return self._replace(member=self.member._replace(attributes=self.member.attributes | attributes))
 
     @property
     def shared_attributes(self) -> dict[str, Any]:
@@ -53,45 +54,45 @@ class Parts(NamedTuple):
     @property
     def attributes(self) -> dict[str, Any]:
         """All attributes."""
-        return self.shared_attributes | self.own.attributes
+        return self.shared_attributes | self.member.attributes
 
     @property
     def arrays(self) -> Arrays:
         """All arrays."""
-        return {name: array for part in (*self.shared, self.own) for name, array in part.arrays.items()}
+        return {name: array for part in (*self.shared, self.member) for name, array in part.arrays.items()}
 
     @property
     def group_key(self) -> tuple[Any, ...]:
         """Equal for results that can lie in one group: they share the same, and their arrays are alike."""
-        form = [(name, array.shape, array.dtype) for name, (array, _) in self.own.arrays.items()]
+        form = [(name, array.shape, array.dtype) for name, (array, _) in self.member.arrays.items()]
         return tuple(part.source for part in self.shared), tuple(form)
 
 
 def split(result: Any) -> Parts:
-    """Part the fields of a dataclass into arrays with their metadata and attributes; check dimensions."""
-    own, *shared = _split(result, {})
-    fields = dataclasses.fields(result)
-    return Parts(own, tuple(shared), next(filter(None, map(_dimension, fields)), None))
+    """Split the fields of a dataclass into arrays with their metadata and attributes; check dimensions."""
+    member, *shared = _split(result, {})
+    dimensions = filter(None, map(_dimension, dataclasses.fields(result)))
+    return Parts(member, tuple(shared), next(dimensions, None))
 
 
 def _split(result: Any, sizes: dict[str, int]) -> Iterator[Part]:
     """Yield the parts of a dataclass, first its own, then what it shares; check sizes along dimensions."""
-    own = Part(result, {}, {})
-    yield own
+    part = Part(result, {}, {})
+    yield part
     for field in dataclasses.fields(result):
         value = getattr(result, field.name)
         if _dimension(field):
             yield from _split(value, sizes)
             continue
         if "dims" not in field.metadata:
-            own.attributes[field.name] = _plain(value)
+            part.attributes[field.name] = _plain(value)
             continue
         if value is None:
             continue
         array = np.asarray(value)
         dims = field.metadata["dims"]
         if array.dtype.kind == "U":  # Zarr's format has no settled form for text
-            own.attributes[field.name] = array.tolist()
+            part.attributes[field.name] = array.tolist()
             continue
         if array.ndim != len(dims) or array.dtype.kind not in "fciub":
             raise ValueError(
@@ -102,14 +103,14 @@ def _split(result: Any, sizes: dict[str, int]) -> Iterator[Part]:
                 raise ValueError(
                     f"{type(result).__name__}.{field.name}: {size} along {dim}, others have {sizes[dim]}"
                 )
-        own.arrays[_stored_name(field, lambda name: getattr(result, name))] = (array, field.metadata)
+        part.arrays[_stored_name(field, lambda name: getattr(result, name))] = (array, field.metadata)
 
 
 _in_memory: "WeakValueDictionary[tuple[Any, ...], Any]" = WeakValueDictionary()
 """What results share, by its type and content, as long as one of them is in memory."""
 
 
-def joined(
+def restore(
     kind: type[Result],
     arrays: Mapping[str, NDArray[Any]],
     attributes: Mapping[str, Any],
@@ -140,11 +141,11 @@ def _shared(
 ) -> Any:
     """Return what several results share: the object in memory if there is one of the same content."""
     if recorded is None:
-        return joined(kind, arrays, attributes)
+        return restore(kind, arrays, attributes)
     key = kind, *_content(kind, attributes, recorded)
     part = _in_memory.get(key)
     if part is None:
-        part = _in_memory[key] = joined(kind, arrays, attributes, recorded)
+        part = _in_memory[key] = restore(kind, arrays, attributes, recorded)
     return part
 
 

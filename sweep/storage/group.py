@@ -23,8 +23,8 @@ class DamagedError(Exception):
 
 
 MEMBERS = "members"
-"""Attribute of arrays that hold what several results have for themselves, one behind the other: what is said
-of each, by its label.
+"""Attribute of arrays that hold the values of several results one behind the other: the attributes of each
+result, by its label.
 """
 
 
@@ -35,15 +35,17 @@ class Group:
     Attributes
     ----------
     name
-        What an error calls it.
-    said
-        What Zarr says of its arrays, by their names.
+        Its name in error messages.
+    metadata
+        Zarr metadata of its arrays, by their names.
+    attributes
+        Its attributes.
     objects
-        What it consists of, as far as it has been read.
+        The objects that it consists of, as far as they have been read.
     """
 
     name: str
-    said: Mapping[str, Any]
+    metadata: Mapping[str, Any]
     attributes: dict[str, Any]
     objects: codec.Objects
 
@@ -51,9 +53,9 @@ class Group:
     def whole(
         cls, place: Location, prefix: str, name: str, digest: str | None = None, member: str | None = None
     ) -> "Group":
-        """Return a group with all its metadata, which have a digest if that is known, and all its arrays.
+        """Return a group with all its metadata and arrays; of several results in it those of one member.
 
-        Of one with several results the arrays of one alone.
+        The metadata are compared with their digest if that is given.
         """
         if member is None:
             objects = place.read_group(prefix)
@@ -62,19 +64,22 @@ class Group:
             if not objects:
                 raise _other_metadata(name)
             with _decoding(name):
-                said, attributes = codec.decode_group(bytes(objects[codec.METADATA]))
-                keys = [f"{array}/{codec.METADATA}" for array in said]
-                for array, each in _member(member, said, attributes)[0].items():
-                    keys += codec.chunk_keys(array, each)
+                group_metadata, attributes = codec.decode_group(bytes(objects[codec.METADATA]))
+                keys = [f"{array}/{codec.METADATA}" for array in group_metadata]
+                for array, array_metadata in _member(member, group_metadata, attributes)[0].items():
+                    keys += codec.chunk_keys(array, array_metadata)
             objects = {**objects, **place.read_group(prefix, keys)}
         if digest is not None and metadata_digest(objects) != digest:
             raise _other_metadata(name)
         with _decoding(name):
             attributes = json.loads(objects[codec.METADATA])["attributes"]
-            own = {key.rpartition("/")[0]: key for key in objects if key.endswith(f"/{codec.METADATA}")}
-            said = {array: json.loads(objects[key]) for array, key in own.items()}
-            said, attributes = _member(member, said, attributes)
-        return cls(name, said, attributes, objects)
+            metadata = {
+                key.rpartition("/")[0]: json.loads(objects[key])
+                for key in objects
+                if key.endswith(f"/{codec.METADATA}")
+            }
+            metadata, attributes = _member(member, metadata, attributes)
+        return cls(name, metadata, attributes, objects)
 
     @classmethod
     def needed(
@@ -86,50 +91,51 @@ class Group:
         known: Mapping[str, NDArray[Any]],
         member: str | None = None,
     ) -> "Group":
-        """Return a group whose own metadata have a digest, and of which no arrays are read that are known.
+        """Return a group whose own metadata have a digest, with those arrays only that are not known.
 
-        The metadata of its arrays are not read either: it repeats them.
+        The metadata of its arrays are not read: the group's metadata repeat them.
         """
         objects = dict(place.read_group(prefix, [codec.METADATA]))
-        own = bytes(objects.get(codec.METADATA, b""))
-        if hashlib.sha256(own).hexdigest() != digest:
+        group_metadata = bytes(objects.get(codec.METADATA, b""))
+        if hashlib.sha256(group_metadata).hexdigest() != digest:
             raise _other_metadata(name)
         with _decoding(name):
-            said, attributes = _member(member, *codec.decode_group(own))
-            missing = [array for array in said if array not in known]
-            keys = [key for array in missing for key in codec.chunk_keys(array, said[array])]
-        return cls(name, said, attributes, objects | dict(place.read_group(prefix, keys)))
+            metadata, attributes = _member(member, *codec.decode_group(group_metadata))
+            missing = [array for array in metadata if array not in known]
+            keys = [key for array in missing for key in codec.chunk_keys(array, metadata[array])]
+        return cls(name, metadata, attributes, objects | dict(place.read_group(prefix, keys)))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return its arrays, compared with nothing."""
-        return {name: self._decoded(name)[0] for name in self.said}
+        """Return its arrays without comparing them."""
+        return {name: self._decode(name)[0] for name in self.metadata}
 
     def check(self, recorded: Recorded) -> None:
         """Compare all arrays with their sha256."""
         for name in self._names(recorded):
-            self._compare(name, self._decoded(name)[0], recorded)
+            self._compare(name, self._decode(name)[0], recorded)
 
-    def verified(self, recorded: Recorded, known: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-        """Return its arrays, of which some are known; compare others as far as they have not been before."""
-        found = dict(known)
+    def verify(self, recorded: Recorded, known: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+        """Return its arrays, of which some are known; compare those that were not compared before."""
+        arrays = dict(known)
         for name in self._names(recorded):
             if name in known:
                 continue
-            found[name], chunks = self._decoded(name)
-            if not checksums.unchanged(found[name], chunks, recorded[name]):
-                self._compare(name, found[name], recorded)
-            checksums.remember(found[name], chunks, recorded[name])
-        return found
+            array, chunks = self._decode(name)
+            if not checksums.unchanged(array, chunks, recorded[name]):
+                self._compare(name, array, recorded)
+            checksums.remember(array, chunks, recorded[name])
+            arrays[name] = array
+        return arrays
 
     def _names(self, recorded: Recorded) -> Iterable[str]:
-        if recorded.keys() != self.said.keys():
-            others = ", ".join(sorted(recorded.keys() ^ self.said.keys()))
+        if recorded.keys() != self.metadata.keys():
+            others = ", ".join(sorted(recorded.keys() ^ self.metadata.keys()))
             raise DamagedError(f"{self.name}: is recorded, or is there, without the array {others}")
-        return self.said
+        return self.metadata
 
-    def _decoded(self, name: str) -> tuple[NDArray[Any], bytes]:
+    def _decode(self, name: str) -> tuple[NDArray[Any], bytes]:
         with _decoding(self.name):
-            return codec.decode_array(name, self.said[name], self.objects)
+            return codec.decode_array(name, self.metadata[name], self.objects)
 
     def _compare(self, name: str, array: NDArray[Any], recorded: Recorded) -> None:
         if checksums.checksum(array) != dict(recorded[name]):
@@ -147,27 +153,27 @@ def metadata_digest(objects: codec.Objects) -> str:
 
 
 def _member(
-    label: str | None, said: Mapping[str, Any], attributes: Mapping[str, Any]
+    label: str | None, metadata: Mapping[str, Any], attributes: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what is said of a result's arrays, and its attributes; for None those of the whole group."""
-    own, merged = dict(said), dict(attributes)
+    """Return the metadata of a result's arrays, and its attributes; for None those of the whole group."""
+    by_array, merged = dict(metadata), dict(attributes)
     if label is None:
-        return own, merged
-    for name, each in said.items():
-        members = each["attributes"].get(MEMBERS)
+        return by_array, merged
+    for name, array_metadata in metadata.items():
+        members = array_metadata["attributes"].get(MEMBERS)
         if members is None:
             continue
         if label in members:
-            own[name] = codec.slice_metadata(each, list(members).index(label))
+            by_array[name] = codec.slice_metadata(array_metadata, list(members).index(label))
             merged |= members[label]
         else:
-            del own[name]
-    return own, merged
+            del by_array[name]
+    return by_array, merged
 
 
 @contextmanager
 def _decoding(name: str) -> Iterator[None]:
-    """Call a group damaged that cannot be decoded."""
+    """Turn errors of decoding into `DamagedError`."""
     try:
         yield
     except (ValueError, KeyError, TypeError) as error:

@@ -33,26 +33,26 @@ _EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
 
 @dataclasses.dataclass(frozen=True)
 class Written:
-    """What a write left, for the record of a result.
+    """A stored result, as its record needs it.
 
     Attributes
     ----------
     group
-        Where it is in the store.
+        Name of its group in the store.
     member
-        Which result of the group it is, if there may be others.
+        Label of the result in the group; None if it is the whole group.
     arrays
         Per array its sha256, shape and dtype.
     metadata
-        The sha256 of the group's attributes and of all that Zarr says of its arrays.
+        The sha256 of all Zarr metadata of the group and of its arrays.
     group_metadata
-        The sha256 of the group's own metadata, which repeat all of that: a reader needs no others.
+        The sha256 of the group's metadata, which repeat those of the arrays: a reader needs no others.
     attributes
         Its attributes, as they are read.
     values
-        Its arrays.
+        Its arrays, by name.
     bytes_written
-        Its part of the bytes that the group took, without those of arrays that were there.
+        Its share of the bytes written for the group; arrays that were linked do not count.
     """
 
     group: str
@@ -65,13 +65,13 @@ class Written:
     bytes_written: int
 
     def recorded(self) -> dict[str, Any]:
-        """Return what a record holds of it, to read it again and to compare it."""
+        """Return the fields of its record by which it is read and compared."""
         return {name: getattr(self, name) for name in RECORDED}
 
 
 @dataclasses.dataclass
 class _Stored:
-    """How a shared part was stored: below which key, and of its arrays the metadata, chunks and checksums."""
+    """How a shared part was stored: its key, and metadata, chunks and checksums of its arrays."""
 
     prefix: str
     heads: dict[str, bytes]
@@ -83,14 +83,16 @@ class _Stored:
 
 @dataclasses.dataclass
 class _Encoded:
-    """The arrays of a group: of each its metadata, its chunks, and where other groups have them.
+    """The encoded arrays of a group.
 
     Attributes
     ----------
+    heads, chunks
+        Metadata and chunks of each array.
     checksums
-        Of the arrays that all results of the group have.
-    own_checksums
-        Of those that each has for itself, by label.
+        Checksums of the arrays that all results of the group have.
+    member_checksums
+        Checksums of each result's own arrays, by label.
     same
         Keys of objects of other groups with the same content, by keys of this one.
     fresh
@@ -100,7 +102,7 @@ class _Encoded:
     heads: dict[str, bytes] = dataclasses.field(default_factory=dict)
     chunks: dict[str, Mapping[str, Content]] = dataclasses.field(default_factory=dict)
     checksums: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
-    own_checksums: dict[str | None, dict[str, dict[str, Any]]] = dataclasses.field(default_factory=dict)
+    member_checksums: dict[str | None, dict[str, dict[str, Any]]] = dataclasses.field(default_factory=dict)
     same: dict[str, str] = dataclasses.field(default_factory=dict)
     fresh: list[fields.Part] = dataclasses.field(default_factory=list)
 
@@ -117,23 +119,22 @@ class _Encoded:
         self.chunks |= stored.chunks
         self.checksums |= stored.checksums
         for key, chunks in stored.chunks.items():
-            self.same |= {
-                f"{key}/{each}": f"{stored.prefix}/{key}/{each}" for each in (codec.METADATA, *chunks)
-            }
+            objects = (f"{key}/{name}" for name in (codec.METADATA, *chunks))
+            self.same |= {name: f"{stored.prefix}/{name}" for name in objects}
 
     def stack(self, members: Mapping[str | None, fields.Parts]) -> None:
-        """Add what results have for themselves, array by array, one result behind the other."""
-        said = {MEMBERS: {label: parts.own.attributes for label, parts in members.items()}}
+        """Add the results' own arrays, those of the same name as one array with a chunk for each result."""
+        attributes = {MEMBERS: {label: parts.member.attributes for label, parts in members.items()}}
         first = next(iter(members.values()))
-        for key, (_, metadata) in first.own.arrays.items():
-            arrays = [parts.own.arrays[key][0] for parts in members.values()]
-            form = {**metadata, "dims": (first.dimension, *metadata["dims"]), "attributes": said}
-            self.heads[key], chunks = codec.encode_stack(key, arrays, form, CHUNK_BYTES)
-            self.chunks[key] = {place: chunk for own in chunks for place, chunk in own.items()}
-            for label, array, own in zip(members, arrays, chunks, strict=True):
+        for key, (_, metadata) in first.member.arrays.items():
+            arrays = [parts.member.arrays[key][0] for parts in members.values()]
+            form = {**metadata, "dims": (first.dimension, *metadata["dims"]), "attributes": attributes}
+            self.heads[key], chunks_by_member = codec.encode_stack(key, arrays, form, CHUNK_BYTES)
+            self.chunks[key] = {name: chunk for chunks in chunks_by_member for name, chunk in chunks.items()}
+            for label, array, chunks in zip(members, arrays, chunks_by_member, strict=True):
                 checksum = compared.checksum(array)
-                compared.remember_chunks(codec.chunk_checksums(own), checksum)
-                self.own_checksums.setdefault(label, {})[key] = checksum
+                compared.remember_chunks(codec.chunk_checksums(chunks), checksum)
+                self.member_checksums.setdefault(label, {})[key] = checksum
 
     def stored(self, part: fields.Part, prefix: str) -> _Stored:
         """Return how one of its parts was stored below a key."""
@@ -176,17 +177,17 @@ class Writer:
     ) -> list[Written]:
         """Write results that agree in `Parts.group_key` as one group.
 
-        The group is called `name` and a digest of what is in it. So writers whose results differ in the last
-        digit never touch each other's, and a record names the group that it stands for.
+        The group's name is `name` and a digest of its content. So writers whose results differ in the last
+        digit never touch each other's groups, and a record names the group that it stands for.
 
         Parameters
         ----------
         name
-            What the group is called.
+            First part of the group's name.
         results
             The results by their labels; None is the label of one that is the whole group.
         attributes
-            What is said of all of them.
+            Attributes of the group, beside those of the results.
 
         Raises
         ------
@@ -201,7 +202,7 @@ class Writer:
         for part in first.shared:
             self._add(group, part)
         if alone:
-            group.encode(first.own)
+            group.encode(first.member)
         array_heads = dict(group.heads)  # those that arrays of other groups may have too
         if not alone:
             group.stack(results)
@@ -213,7 +214,7 @@ class Writer:
         heads = {codec.METADATA: group_head}
         heads |= {f"{key}/{codec.METADATA}": head for key, head in group.heads.items()}
         digest = metadata_digest(heads)
-        content = json.dumps([group.checksums, list(group.own_checksums.values()), digest], sort_keys=True)
+        content = json.dumps([group.checksums, list(group.member_checksums.values()), digest], sort_keys=True)
         place = f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:_DIGITS]}"
         size = self._put(f"{STORE}/{place}", heads, group)
         for key, head in array_heads.items():
@@ -222,7 +223,7 @@ class Writer:
             Written(
                 group=place,
                 member=label,
-                arrays=group.checksums | group.own_checksums.get(label, {}),
+                arrays=group.checksums | group.member_checksums.get(label, {}),
                 metadata=digest,
                 group_metadata=hashlib.sha256(group_head).hexdigest(),
                 attributes={**attributes, **parts.attributes},
@@ -251,14 +252,14 @@ class Writer:
                 self._ensured.add(level)
         objects: dict[str, Content] = {**heads}
         for key, chunks in group.chunks.items():
-            objects |= {f"{key}/{each}": chunk for each, chunk in chunks.items()}
+            objects |= {f"{key}/{name}": chunk for name, chunk in chunks.items()}
         written = place.put(prefix, objects, group.same)
         for part in group.fresh:
             self._stored[part.source] = group.stored(part, prefix)
         return written
 
     def settle(self) -> None:
-        """Forget how parts were stored that one group alone has so far: that takes as much memory again."""
+        """Forget how parts were stored that only one group has so far, as that takes as much memory again."""
         for part in [part for part, stored in self._stored.items() if not stored.shared]:
             del self._stored[part]
 
@@ -275,16 +276,16 @@ def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, A
 
 
 def restore(written: Written, kind: type[Result]) -> Result:
-    """Return what was written as `read` does, from its arrays, which are in memory still."""
-    found = compared.held(written.arrays)
+    """Return what was written in the form in which it is read, from its arrays in memory."""
+    arrays = compared.held(written.arrays)
     for name, recorded in written.arrays.items():
-        if name not in found:
-            found[name] = _as_read(written.values[name])
-            compared.hold(found[name], recorded)
-    return fields.joined(kind, found, written.attributes, written.arrays)
+        if name not in arrays:
+            arrays[name] = _as_read(written.values[name])
+            compared.hold(arrays[name], recorded)
+    return fields.restore(kind, arrays, written.attributes, written.arrays)
 
 
 def _as_read(array: NDArray[Any]) -> NDArray[Any]:
-    """Return an array in the form of one that has been read: other forms are other types to kernels."""
+    """Return an array in the form of one that has been read; other forms are other types to kernels."""
     array = np.ascontiguousarray(array, array.dtype.newbyteorder("=")).reshape(array.shape)
     return array if array.flags.writeable else array.copy()

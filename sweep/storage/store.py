@@ -45,7 +45,7 @@ def read(
         If the group is missing, cannot be decoded or is not the one recorded.
     """
     values, attributes = _read(home, group, arrays, metadata, group_metadata, member)
-    return fields.joined(kind, values, attributes, arrays)
+    return fields.restore(kind, values, attributes, arrays)
 
 
 def read_recorded(
@@ -73,10 +73,10 @@ def _read(
     place, prefix = location.at(home), f"{STORE}/{group}"
     known = compared.held(arrays or {})
     if group_metadata is None:
-        found = Group.whole(place, prefix, group, metadata, member)
+        stored = Group.whole(place, prefix, group, metadata, member)
     else:
-        found = Group.needed(place, prefix, group, group_metadata, known, member)
-    return found.arrays() if arrays is None else found.verified(arrays, known), found.attributes
+        stored = Group.needed(place, prefix, group, group_metadata, known, member)
+    return stored.arrays() if arrays is None else stored.verify(arrays, known), stored.attributes
 
 
 def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
@@ -87,8 +87,8 @@ def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[An
     DamagedError
         If the group is missing or cannot be decoded.
     """
-    found = _whole(directory, group)
-    return found.arrays(), found.attributes
+    stored = _whole(directory, group)
+    return stored.arrays(), stored.attributes
 
 
 def check(directory: Path | str, record: Mapping[str, Any]) -> None:
@@ -117,7 +117,7 @@ def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]
 
 
 def read_array(directory: Path | str, group: str, member: str | None, name: str) -> NDArray[Any]:
-    """Return one array of a result, compared with nothing."""
+    """Return one array of a result without comparing it."""
     array = open_array(directory, group, name)
     members = array.attrs.get(MEMBERS)
     if member is None or members is None:
@@ -128,10 +128,10 @@ def read_array(directory: Path | str, group: str, member: str | None, name: str)
 
 def _home(directory: Path | str, group: str) -> records.Home:
     """Return where a group of a run lies: with the run if it is there, else in the store outside."""
-    here, *outside = records.homes(directory)
-    return here if not outside or (Path(here) / STORE / group).is_dir() else outside[0]
+    run, *outside = records.homes(directory)
+    return run if not outside or (Path(run) / STORE / group).is_dir() else outside[0]
 
 
 def clean(home: records.Home, older_than_s: float = 0.0) -> None:
-    """Remove what writers that died have left aside; where others may be at work, only what is old."""
+    """Remove unfinished groups of writers that died; where others may be writing, only old ones."""
     location.at(home).clean(STORE, older_than_s)

@@ -36,8 +36,8 @@ def value(excited, axle, beta):
     x = (2.0 * beta - low - high) / (high - low)
     return np.array(
         [
-            np.polynomial.legendre.legval(each, excited.series[axle, row])
-            for each, row in zip(x, panel, strict=True)
+            np.polynomial.legendre.legval(place, excited.series[axle, row])
+            for place, row in zip(x, panel, strict=True)
         ]
     )
 
