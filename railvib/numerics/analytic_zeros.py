@@ -49,12 +49,13 @@ def zeros(log_function: LogFunction, low: complex, high: complex) -> np.ndarray:
     Returns
     -------
     ndarray of complex
-        As many as the phase along the edges counts.
+        As many as the phase along the edges counts. Where more than three lie within 1e-4 of each other, the
+        middle of the rectangle that holds them stands for each.
 
     Raises
     ------
     ArithmeticError
-        If a zero lies on the edge, or the zeros inside cannot be told apart.
+        If a zero lies on the edge, or no cut keeps clear of zeros.
     """
     return np.array(_zeros(log_function, low, high, _boundary(log_function, low, high)), complex)
 
@@ -130,8 +131,8 @@ def _zeros(log_function: LogFunction, low: complex, high: complex, boundary: _Bo
             return searched
         if abs(size) < _SMALLEST:
             return [complex(start) for start in starts]
-    if abs(size) < _SMALLEST:
-        raise ArithmeticError(f"{count} zeros near {0.5 * (low + high):g} cannot be told apart")
+    if abs(size) < _SMALLEST:  # equal to within the rectangle, as the waves of equal layers far apart
+        return [0.5 * (low + high)] * count
     for cut in _CUTS:
         if size.real > size.imag:
             middle = low.real + cut * size.real

@@ -47,6 +47,13 @@ def test_double_zero_counts_twice():
     np.testing.assert_allclose(found, [0.4, 0.4], atol=1e-5)
 
 
+@pytest.mark.parametrize("gap", [1e-6, 1e-10, 0.0])
+def test_a_cluster_counts_as_often_as_it_has_zeros(gap):
+    cluster = 0.4 + gap * np.arange(5)
+    found = zeros(polynomial([*cluster, 0.7j]), -1.0 - 1.0j, 1.0 + 1.0j)
+    np.testing.assert_allclose(ordered(found), [0.7j, *cluster], atol=1e-4)
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_many(seed):
     rng = np.random.default_rng(seed)
