@@ -1,5 +1,8 @@
 """Writes dispersion_modes.csv: Rayleigh modes of the models in dispersion_models.csv by disba 0.7.
 
+rayleigh_love_greby.csv holds Rayleigh and Love modes of the layering of Greby, on which disba 0.7.0 and a
+fast-delta code of another project agree to 1e-6. It is recomputed, and the largest difference is printed.
+
 Run from the top of the repository, where disba is installed (the project does not need it):
 ``python -m tests.data.dispersion``.
 """
@@ -27,6 +30,10 @@ HEADER = """\
 """
 
 
+GREBY = ((2.0, 193.37, 103.36, 1800.0), (2.0, 228.80, 122.30, 1800.0), (0.0, 580.12, 310.09, 2000.0))
+"""Thickness, dilatational and shear speed, density of the layers, SI."""
+
+
 def layers(model: str) -> np.ndarray:
     """Return thickness, dilatational speed, shear speed in km and km/s, density in g/cm³, by layer."""
     with (DATA / "dispersion_models.csv").open(encoding="utf-8", newline="") as file:
@@ -37,8 +44,8 @@ def layers(model: str) -> np.ndarray:
     return np.array([[float(row[name] or 0.0) / 1000.0 for name in names] for row in rows])
 
 
-def main() -> None:
-    """Compute all modes and write them."""
+def write_models() -> None:
+    """Compute the modes of the models and write them."""
     with (DATA / "dispersion_modes.csv").open("w", encoding="utf-8", newline="") as file:
         file.write(HEADER)
         table = csv.writer(file, lineterminator="\n")
@@ -51,5 +58,19 @@ def main() -> None:
                     table.writerow([model, frequency, mode, f"{1000.0 * curve.velocity[0]:.3f}"])
 
 
+def greby_difference() -> float:
+    """Return the largest difference of the modes of Greby from rayleigh_love_greby.csv, m/s."""
+    dispersion = PhaseDispersion(*(np.array(GREBY) / 1000.0).T, algorithm="dunkin", dc=0.0005)
+    differences = []
+    with (DATA / "rayleigh_love_greby.csv").open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(line for line in file if line[0] != "#"):
+            wave = {"R": "rayleigh", "L": "love"}[row["mode"][0]]
+            period = np.array([1.0 / float(row["frequency_hz"])])
+            curve = dispersion(period, mode=int(row["mode"][1:]), wave=wave)
+            differences.append(abs(1000.0 * curve.velocity[0] - float(row["phase_speed_m_s"])))
+    return max(differences)
+
+
 if __name__ == "__main__":
-    main()
+    write_models()
+    print(f"rayleigh_love_greby.csv: {greby_difference():.4f} m/s")

@@ -26,6 +26,7 @@ class Extent:
     absorbing: float
     size: float
     strength: float = 18.0
+    absorbing_elements: int = 7
 
 
 def _lines(start: float, end: float, size: float) -> np.ndarray:
@@ -54,7 +55,10 @@ class GroundSection:
     ) -> None:
         self.edge, self.omega, self.beta = edge, 2.0 * np.pi * frequency, beta
         b = float(edge[-1])
-        y = _grid([b, extent.width, extent.width + extent.absorbing], [extent.size, extent.absorbing / 7.0])
+        y = _grid(
+            [b, extent.width, extent.width + extent.absorbing],
+            [extent.size, extent.absorbing / extent.absorbing_elements],
+        )
         beside = b + np.minimum(np.diff(edge)[::-1].cumsum(), extent.size)  # small elements outside, too
         y = np.unique(np.round(np.concatenate([edge, beside, y]), 9))
         y = y[np.concatenate([[True], np.diff(y) > 1e-3])]
@@ -63,7 +67,8 @@ class GroundSection:
         points = sorted({0.0, near, *depths, extent.depth})
         z = _grid(
             [*points, extent.depth + extent.absorbing],
-            [0.06 if high <= near else extent.size for high in points[1:]] + [extent.absorbing / 7.0],
+            [0.06 if high <= near else extent.size for high in points[1:]]
+            + [extent.absorbing / extent.absorbing_elements],
         )
         height = 0.0
         if bed is not None:
