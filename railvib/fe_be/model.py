@@ -6,6 +6,7 @@ tensor is fitted once; a wavenumber then costs the strips' integrals and a small
 """
 
 from collections.abc import Iterable
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +22,8 @@ from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
-from railvib.soil.fits import GroundFits
+from railvib.soil.barycentric import Start
+from railvib.soil.fits import BlockFits, GroundFits, warm_or_cold
 from railvib.soil.tensor_fit import TensorFit, fit_tensor
 from railvib.transfer.evaluation import Evaluation
 from railvib.transfer.nodes import node_range
@@ -39,43 +41,22 @@ _NEAR = 0.5
 """Receivers up to so far from the track's edge, m, feel the large wavenumbers that its strips feel."""
 
 
-class TensorFits:
-    """The tensor fits of one ground over one block, made as they are asked for; see `GroundFits`."""
-
-    def __init__(self, ground: Ground, block: int, largest: float, tolerance: float) -> None:
-        self.ground = ground
-        self.block = block
-        self.largest = largest
-        self.tolerance = tolerance
-        self._made: dict[tuple[int, int], TensorFit] = {}
-
-    def at(self, level: int, k: int) -> TensorFit:
-        """Return the fit at frequency index k of a level."""
-        while level > 0 and k % 2 == 0:
-            level, k = level - 1, k // 2
-        if (level, k) not in self._made:
-            self._made[level, k] = self._make(level, k)
-        return self._made[level, k]
-
-    def _make(self, level: int, k: int) -> TensorFit:
-        first = int(blocks.indices(self.block, 0)[0])
-        f = float(blocks.frequency(level, k))
-        if (level, k) != (0, first) and self.ground.homogeneous:
-            return self.at(0, first).scaled(f / float(blocks.frequency(0, first)))
-        start = None if (level, k) == (0, first) else self.at(level, k - 1).support
-        return _fit(self.ground, f, self.largest, self.tolerance, start)
-
-
 def _fit(
-    ground: Ground, frequency: float, largest: float, tolerance: float, start: np.ndarray | None = None
+    ground: Ground, largest: float, tolerance: float, frequency: float, start: Start | None = None
 ) -> TensorFit:
-    with cost.stage("tensor fit") as spent:
-        fit = fit_tensor(ground, frequency, largest, tolerance, start)
-        spent.kernel_calls += 1
-        if start is not None and fit.error > 100.0 * tolerance:
-            cold = fit_tensor(ground, frequency, largest, tolerance)
-            fit = min(fit, cold, key=lambda each: each.error)
-            spent.kernel_calls += 1
+    """Return the tensor's fit up to a wavenumber.
+
+    Raises
+    ------
+    ArithmeticError
+        If it is not good enough to compute with.
+    """
+    fit = warm_or_cold(
+        "tensor fit",
+        lambda start: fit_tensor(ground, frequency, tolerance, start, largest),
+        start,
+        100.0 * tolerance,
+    )
     if fit.error > _ACCEPTED:
         raise ArithmeticError(
             f"the ground's flexibility tensor at {frequency:g} Hz was fitted to {fit.error:.1e} only"
@@ -138,8 +119,8 @@ def fe_be_response(
     beta = np.abs(np.atleast_1d(np.asarray(wavenumber, float)))
     omega = 2.0 * np.pi * frequency
     edge = strip_edges(track, section)
-    strips = _fit(ground, frequency, _largest(track, section), _STRIP_TOLERANCE)
-    field = _fit(ground, frequency, 0.0, _FIELD_TOLERANCE)
+    strips = _fit(ground, _largest(track, section), _STRIP_TOLERANCE, frequency)
+    field = _fit(ground, 0.0, _FIELD_TOLERANCE, frequency)
     soil, receiver = _soil(beta, edge, y, strips, field)
     if section.bed == "columns":
         bed = columns(track, section, omega)
@@ -161,8 +142,10 @@ class FeBeModel:
         self.track = track
         self.section = section
         self.edge = strip_edges(track, section)
-        self.strips = TensorFits(ground, block, _largest(track, section), _STRIP_TOLERANCE)
-        self.field = TensorFits(ground, block, 0.0, _FIELD_TOLERANCE)
+        self.strips = BlockFits(
+            ground, block, partial(_fit, ground, _largest(track, section), _STRIP_TOLERANCE)
+        )
+        self.field = BlockFits(ground, block, partial(_fit, ground, 0.0, _FIELD_TOLERANCE))
         frequency = blocks.frequency(0, blocks.indices(block, 0))
         self._bed = None
         if section.bed == "solid":

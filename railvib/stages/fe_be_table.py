@@ -59,6 +59,6 @@ class FeBeTable(TransferTable):
 @cache
 def _compile() -> None:
     strip = np.array([0.0, 1.0])
-    fit = fit_tensor(library.load("soil", "horstwalde"), 1.0, 0.0, 1e-2)
+    fit = fit_tensor(library.load("soil", "horstwalde"), 1.0, 1e-2)
     strip_flexibility(strip, fit.pole, fit.residue, fit.constant, strip)
     receiver_flexibility(strip, fit.pole, fit.residue, fit.constant, strip, strip)

@@ -15,12 +15,12 @@ ALONG_IS_TURNED = 1j  # û_x = u_x/i and f̂_x = f_x/i
 
 
 def strips(ground, edge, beta, frequency, reach=50.0):
-    fit = fit_tensor(ground, frequency, reach / np.diff(edge).min())
+    fit = fit_tensor(ground, frequency, largest=reach / np.diff(edge).min())
     return strip_flexibility(np.array([beta]), fit.pole, fit.residue, fit.constant, edge)[0]
 
 
 def receivers(ground, edge, beta, frequency, offset):
-    fit = fit_tensor(ground, frequency, 50.0 / np.diff(edge).min(), 1e-10)
+    fit = fit_tensor(ground, frequency, 1e-10, largest=50.0 / np.diff(edge).min())
     return receiver_flexibility(
         np.array([beta]), fit.pole, fit.residue, fit.constant, edge, np.asarray(offset, float)
     )[0]
@@ -180,7 +180,7 @@ def test_soil_equals_finite_elements_with_pml(greby, beta, frequency):
 
 
 def test_compiled_equals_plain(greby):
-    fit = fit_tensor(greby, 20.0, 300.0, 1e-4)
+    fit = fit_tensor(greby, 20.0, 1e-4)
     edge, beta = np.array([0.0, 1.0, B]), np.array([0.0, 2.0])
     arguments = (beta, fit.pole, fit.residue, fit.constant, edge)
     compiled = strip_flexibility(*arguments)

@@ -1,0 +1,1 @@
+"""The compiled functions of `railvib.soil`: they take arrays as they come and check nothing."""
