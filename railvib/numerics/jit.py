@@ -7,10 +7,12 @@ registers. Kernels are kept in Numba's cache. They differ in what the compiler m
 `kernel`           nothing: the arithmetic is as written
 `fused_kernel`     fuse a product and a sum into one instruction, and ignore the sign of zero
 `reduction_kernel` also reorder sums, so that a sum over an array fills vector registers
-`inline`           as what the first kernel that calls it allows; compiled into each
+`inline`           as `fused_kernel`, compiled into each kernel that calls it
 ================== ====================================================================================
 
-None may assume that numbers are finite: infinity and NaN mean something to the callers.
+None may assume that numbers are finite: infinity and NaN mean something to the callers. Every setting is
+stated. What is left out Numba takes from the function whose compilation asked for this one first, so that
+results would depend on the order of calls.
 """
 
 from collections.abc import Callable
@@ -59,4 +61,4 @@ def inline(function: Callable[..., Any]) -> Compiled:
 
     LLVM inlines it, which compiles faster than Numba's own inlining.
     """
-    return _compiler(forceinline=True)(function)
+    return _compiler(fastmath=_FUSED, forceinline=True)(function)

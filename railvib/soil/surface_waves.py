@@ -7,7 +7,7 @@ import numpy as np
 from railvib.errors import InputError
 from railvib.numerics.analytic_zeros import zeros
 from railvib.parameters.ground import Ground
-from railvib.soil.rayleigh_kernels import log_secular
+from railvib.soil._kernels.rayleigh import log_secular
 
 _MOST_DECAY = 0.5
 """Largest |Im k|/Re k of a mode that counts: it falls to e^−π over a wavelength."""

@@ -13,7 +13,8 @@ from numpy.polynomial import legendre
 
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
-from railvib.soil.rational_fit import Start, fit_flexibility
+from railvib.soil.barycentric import Start
+from railvib.soil.rational_fit import fit_flexibility
 from railvib.soil.strip import strip_compliances
 from railvib.transfer.track_response import track_response
 

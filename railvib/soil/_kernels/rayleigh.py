@@ -5,11 +5,12 @@ layers, five numbers instead of six, in a form that does not subtract equal expo
 horizontal wavenumber, p and s vertical wavenumbers of P and SV waves, gamma = 2 k²/k_s².
 """
 
-import numba
 import numpy as np
 
+from railvib.numerics.jit import kernel
 
-@numba.njit(cache=True, error_model="numpy")
+
+@kernel
 def log_secular(k, base_p, base_s, omega, stack, rigid):
     """Return the logarithm of the secular function at complex wavenumbers (n,), its phase in any turn.
 
@@ -44,7 +45,7 @@ def log_secular(k, base_p, base_s, omega, stack, rigid):
     return out
 
 
-@numba.njit(error_model="numpy")
+@kernel
 def _at_half_space(k2, p, s, omega, layer, minors):
     """Write the minors of the condition that nothing comes from below."""
     squared_ratio = 2.0 * layer[0] ** 2 * complex(1.0, layer[3]) / omega**2  # 2/k_s²
@@ -58,7 +59,7 @@ def _at_half_space(k2, p, s, omega, layer, minors):
     minors /= np.abs(minors).max()
 
 
-@numba.njit(error_model="numpy")
+@kernel
 def _hyperbolic(square, thickness):
     """Return e^{−v} times cosh v, sinh v/q and q sinh v, then v = qh and e^{−v}; q² is given, Re q ≥ 0."""
     q = np.sqrt(square)
@@ -73,7 +74,7 @@ def _hyperbolic(square, thickness):
     return cosine, over, over * square, v, decay
 
 
-@numba.njit(error_model="numpy")
+@kernel
 def _through_layer(k2, omega, layer, minors):
     """Carry minors from a layer's bottom to its top over e^{(p+s)h}, and return (p + s)h."""
     loss = complex(1.0, layer[3])
