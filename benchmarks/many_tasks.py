@@ -25,12 +25,13 @@ import psutil
 from dask.utils import key_split
 from distributed import Client
 
+from benchmarks.runs import squares
 from sweep import plan
 from sweep.running import scheduler
 from sweep.running.task import Place
 from sweep.storage import location, records, store
+from sweep.unit import unit_of
 from sweep.workers import dask_cluster
-from tests.sweep import toy
 
 ROOT = Path(__file__).parents[1]
 FIGURE = ROOT / "docs" / "figures" / "engine-memory.png"
@@ -85,12 +86,12 @@ def fill_name_cache() -> None:
 def run_tasks(directory: Path, number: int) -> list[Sample]:
     """Run many small tasks, print what each costs, and return samples of memory."""
     start = time.perf_counter()
-    whole = plan.make([toy.square(2 * index) for index in range(number)], set())
+    whole = plan.make([unit_of(squares.Square(number=float(index))) for index in range(number)], set())
     print(f"{number} tasks planned in {time.perf_counter() - start:.1f} s")
     with (
         tempfile.TemporaryDirectory() as folder,
         separate_scheduler(Path(folder)) as (address, process),
-        dask_cluster.remote(address, None, toy.__name__) as crew,
+        dask_cluster.remote(address, None, squares.__name__) as crew,
     ):
         before = process.memory_info().rss
         with Client(address, set_as_default=False) as client:
@@ -101,7 +102,7 @@ def run_tasks(directory: Path, number: int) -> list[Sample]:
             times = process.cpu_times()
             driver = time.process_time()
             start = time.perf_counter()
-            tally = scheduler.run(whole, Place(str(directory), "benchmark", toy.__name__), crew, report)
+            tally = scheduler.run(whole, Place(str(directory), "benchmark", squares.__name__), crew, report)
             wall = time.perf_counter() - start
             driver = time.process_time() - driver
             end = process.cpu_times()

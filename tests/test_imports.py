@@ -1,4 +1,4 @@
-"""The packages' imports follow the way of the data: railvib knows nothing of sweep, nor sweep of queries."""
+"""Imports go one way: between the packages, between the rooms of railvib, and never in a circle."""
 
 import ast
 import graphlib
@@ -14,6 +14,24 @@ FORBIDDEN = {
     "sweep": {"queries", "duckdb", "matplotlib", "pandas"},
     "queries": {"railvib", "dask", "distributed", "scipy", "numba"},
 }
+OUTSIDE = {"benchmarks", "tests"}
+"""Packages that none of the three imports."""
+LAYERS = (
+    {"cost", "errors", "signals"},
+    {"numerics"},
+    {"levels", "parameters"},
+    {"library", "soil"},
+    {"transfer"},
+    {"fe_be", "forces", "plausibility"},
+    {"psd"},
+    {"stages"},
+    {"prediction"},
+)
+"""Rooms and single modules of railvib: each imports from layers above its own only."""
+PHYSICS = {"soil", "transfer", "fe_be", "forces", "psd", "prediction"}
+"""Rooms of railvib that sweep does not see; it goes by the stages."""
+NEAR_KERNELS = {Path("sweep/forecast/pilot.py"), Path("sweep/processes/compiling.py")}
+"""Modules that measure a kernel, or prepare its cache."""
 OPEN_TO_QUERIES = ("sweep.storage.store", "sweep.storage.records")
 
 
@@ -26,25 +44,48 @@ def imports(path):
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
+def package_imports(package):
+    """Yield the path of each module of a package below the root, and the full name of each of its imports."""
+    for path in sorted((ROOT / package).rglob("*.py")):
+        for name in imports(path):
+            yield path.relative_to(ROOT), name
+
+
 @pytest.mark.parametrize("package", FORBIDDEN)
 def test_no_package_imports_what_stands_above_it(package):
-    found = {
-        f"{path.relative_to(ROOT)}: {name}"
-        for path in (ROOT / package).rglob("*.py")
-        for name in imports(path)
-        if name.partition(".")[0] in FORBIDDEN[package]
-    }
-    assert found == set()
+    forbidden = FORBIDDEN[package] | OUTSIDE
+    assert [
+        f"{path}: {name}" for path, name in package_imports(package) if name.partition(".")[0] in forbidden
+    ] == []
+
+
+def test_rooms_of_railvib_import_from_the_layers_above_them():
+    layers = {room: number for number, rooms in enumerate(LAYERS) for room in rooms}
+    program = {"__init__", "__main__", "cli"}
+    wrong = []
+    for path, name in package_imports("railvib"):
+        room, *parts = Path(path.parts[1]).stem, *name.split(".")
+        if parts[0] != "railvib" or parts[1] == room or room in program:
+            continue
+        if parts[1] != "MODEL_VERSION" and layers[parts[1]] >= layers[room]:
+            wrong.append(f"{path}: {name}")
+    assert wrong == []
+
+
+def test_sweep_goes_by_the_stages():
+    assert [
+        f"{path}: {name}"
+        for path, name in package_imports("sweep")
+        if name.startswith(tuple(f"railvib.{room}." for room in PHYSICS)) and path not in NEAR_KERNELS
+    ] == []
 
 
 def test_queries_reads_the_engine_through_store_and_records_only():
-    found = {
-        f"{path.relative_to(ROOT)}: {name}"
-        for path in (ROOT / "queries").rglob("*.py")
-        for name in imports(path)
+    assert [
+        f"{path}: {name}"
+        for path, name in package_imports("queries")
         if name.partition(".")[0] == "sweep" and not name.startswith(OPEN_TO_QUERIES)
-    }
-    assert found == set()
+    ] == []
 
 
 def test_no_modules_import_each_other_in_a_circle():
