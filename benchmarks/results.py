@@ -17,11 +17,10 @@ from typing import Any
 import click
 import duckdb
 
-from queries.answers.questions import Question, questions
-from queries.database import connection as database
-from queries.database.ingest import ingest
-from queries.figures.crew import WORKERS, Crew
-from queries.report import report
+from queries.answers import Question, questions
+from queries.database import DATABASE, connect, ingest
+from queries.figures import WORKERS, FigureProcesses
+from queries.report import write_report
 from tests.queries.browser import started
 from tests.queries.run_directory import Study
 
@@ -46,7 +45,7 @@ def time_step(name: str, step: Callable[[], Any], target: str = "") -> float:
 
 def row_counts(directory: Path) -> tuple[int, int]:
     """Return the number of one-third octaves and of narrow-band lines."""
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         row = connection.execute("SELECT (SELECT count(*) FROM bands), (SELECT count(*) FROM psd_lines)")
         bands, lines = row.fetchone() or (0, 0)
     return bands, lines
@@ -56,7 +55,7 @@ def time_ingest(directory: Path) -> None:
     """Time ingesting a run, and ingesting it again."""
     seconds = time_step("ingest", lambda: ingest(directory))
     bands, lines = row_counts(directory)
-    size = (directory / database.DATABASE).stat().st_size / 1e6
+    size = (directory / DATABASE).stat().st_size / 1e6
     print(f"{bands:,} bands, {lines:,} lines, database of {size:,.0f} MB")
     print(f"{'ingest rate':48} {(bands + lines) / seconds:8,.0f} rows/s   target: 200,000")
     time_step("ingest again", lambda: ingest(directory))
@@ -66,7 +65,7 @@ def time_questions(directory: Path) -> None:
     """Time each shipped question on a fresh connection."""
     for name, question in questions().items():
         target = "target: 5 s" if name in ON_LINES else "target: 1 s"
-        with database.connect(directory) as connection:
+        with connect(directory) as connection:
             time_step(f"question {name}", partial(_answer, connection, question), target)
 
 
@@ -104,12 +103,12 @@ def main(cases: int, lines: int, folder: Path | None) -> None:
         time_ingest(directory)
         time_questions(directory)
         path = directory / "report.html"
-        with database.connect(directory) as connection:
-            time_step("report", lambda: report.write(connection, path))
+        with connect(directory) as connection:
+            time_step("report", lambda: write_report(connection, path))
         print(f"{'size of the report':48} {path.stat().st_size / 1e6:8.1f} MB  target: 15 MB")
-        with Crew(WORKERS) as crew:
+        with FigureProcesses(WORKERS) as processes, connect(directory) as connection:
             figures = Path(temporary) / "figures"
-            time_step("figures", lambda: crew.start(directory / database.DATABASE, figures)())
+            time_step("figures", lambda: processes.start(connection, directory / DATABASE, figures)())
         time_page(path, Path(temporary) / "browser")
 
 

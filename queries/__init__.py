@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas
 
-    from queries.database.publisher import Publisher
+    from queries.publisher import Publisher
 
 
 class Results:
@@ -82,6 +82,6 @@ def open(named: Path | str) -> Results:
 
 def after_run(directory: Path | str) -> "Publisher":
     """Return who publishes the results of a run directory."""
-    from queries.database.publisher import Publisher
+    from queries.publisher import Publisher
 
     return Publisher(directory)

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import duckdb
 
-from queries.database import connection as database
-from queries.database.connection import ResultsError
+from queries.database import ResultsError, connect, duckdb_path, locate, quoted, reason
+from queries.statements import statements
+
+_SQL = statements("queries.answers", "export")
 
 PARTITIONS = {
     "levels": ("approach", "quantity"),
@@ -57,15 +59,16 @@ def export(named: Path | str, folder: Path) -> list[str]:
     ResultsError
         If there are no results, or the folder holds something.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise ResultsError(f"{folder}: is there already; an export needs a folder of its own")
+    place = locate(named)
+    with connect(named):  # refuses what is no database of this version
+        path = duckdb_path(place.path)
     partial = folder.with_name(f"{folder.name}.{os.getpid()}.partial")
-    with database.connect(named):  # refuses what is no database of this version
-        path = database.locate(named).path
     try:
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            raise ResultsError(f"{folder}: is there already; an export needs a folder of its own")
         partial.mkdir(parents=True)
         with duckdb.connect(":memory:") as connection:
-            connection.execute(f"ATTACH {_quoted(path)} AS results (READ_ONLY)")
+            connection.execute(f"ATTACH {quoted(path)} AS results (READ_ONLY)")
             connection.execute("USE results")
             for table, columns in PARTITIONS.items():
                 _copy(connection, table, partial / table, f", PARTITION_BY ({', '.join(columns)})")
@@ -75,30 +78,22 @@ def export(named: Path | str, folder: Path) -> list[str]:
         if folder.exists():
             folder.rmdir()
         partial.rename(folder)
-    except OSError as error:
-        raise ResultsError(f"{folder}: cannot be written: {error.strerror}") from error
+    except (OSError, duckdb.Error) as error:
+        raise ResultsError(f"{folder}: cannot be written: {reason(error)}") from error
     finally:
         shutil.rmtree(partial, ignore_errors=True)
     return [*(f"{table}/" for table in PARTITIONS), *(f"{table}.parquet" for table in SINGLE), _COLUMNS]
 
 
 def _copy(connection: duckdb.DuckDBPyConnection, table: str, path: Path, options: str = "") -> None:
-    connection.execute(f"COPY (FROM {table}) TO {_quoted(path)} (FORMAT parquet, COMPRESSION zstd{options})")
+    file = quoted(str(path.absolute()))
+    connection.execute(f"COPY (FROM {table}) TO {file} (FORMAT parquet, COMPRESSION zstd{options})")
 
 
 def _write_columns(connection: duckdb.DuckDBPyConnection, path: Path) -> None:
     """Write what every column means, with its unit: Parquet has no place for it that all readers show."""
-    rows = connection.execute(
-        "SELECT table_name, column_name, data_type, comment FROM duckdb_columns() "
-        "WHERE NOT internal AND database_name = 'results' AND list_contains($1, table_name) "
-        "ORDER BY table_name, column_index",
-        [[*PARTITIONS, *SINGLE]],
-    ).fetchall()
+    rows = connection.execute(_SQL["columns"], [[*PARTITIONS, *SINGLE]]).fetchall()
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("table", "column", "type", "meaning"))
         writer.writerows(rows)
-
-
-def _quoted(path: Path) -> str:
-    return "'" + str(path).replace("'", "''") + "'"

@@ -6,60 +6,26 @@ from typing import Any
 import duckdb
 
 from queries.answers.table import Table, number
+from queries.statements import statements
+
+_SQL = statements("queries.answers", "provenance")
 
 
 def tables(connection: duckdb.DuckDBPyConnection) -> list[Table]:
     """Return the runs that results come from, what they took, and what their names stand for."""
-    return [
-        _runs(connection),
-        _measured(connection),
-        _rows(connection),
-        _soils(connection),
-        _failures(connection),
-    ]
+    return [table(connection) for table in (_runs, _measured, _row_counts, _soils, _failures)]
 
 
 def _runs(connection: duckdb.DuckDBPyConnection) -> Table:
-    rows = connection.execute(
-        "SELECT run_id, study, started, finished, exit_status, host, host_class, threads, model_version, "
-        "versions "
-        "FROM runs ORDER BY sequence"
-    ).fetchall()
-    return Table(
-        "Runs",
-        (
-            "run",
-            "study",
-            "started (UTC)",
-            "finished (UTC)",
-            "exit",
-            "host",
-            "kind of host",
-            "threads",
-            "model",
-            "versions",
-        ),  # fmt: skip
-        tuple(
-            (
-                *("–" if value is None else str(value) for value in row[:-1]),
-                ", ".join(f"{name} {version}" for name, version in _pairs(row[-1])),
-            )
-            for row in rows
-        ),
-        words=10,
-    )
-
-
-def _pairs(text: str | None) -> list[tuple[str, Any]]:
-    return list((json.loads(text or "null") or {}).items())
+    columns = ("run", "study", "started (UTC)", "finished (UTC)", "exit", "host", "kind of host", "threads")
+    rows = []
+    for *values, versions in connection.execute(_SQL["runs"]).fetchall():
+        libraries = (json.loads(versions or "null") or {}).items()
+        rows.append((*map(_text, values), ", ".join(f"{name} {version}" for name, version in libraries)))
+    return Table("Runs", (*columns, "model", "versions"), tuple(rows), words=10)
 
 
 def _measured(connection: duckdb.DuckDBPyConnection) -> Table:
-    rows = connection.execute(
-        "SELECT run_id, measured_tasks, planned_cpu_s, measured_cpu_s, measured_wall_s, planned_bytes / 1e6, "
-        "measured_bytes / 1e6, planned_peak_memory_bytes / 1e6, measured_peak_memory_bytes / 1e6 "
-        "FROM runs ORDER BY sequence"
-    ).fetchall()
     return Table(
         "Planned and measured",
         (
@@ -72,31 +38,22 @@ def _measured(connection: duckdb.DuckDBPyConnection) -> Table:
             "store [MB]",
             "memory planned [MB]",
             "memory [MB]",
-        ),  # fmt: skip
-        tuple((str(row[0]), *(number(value) for value in row[1:])) for row in rows),
+        ),
+        tuple(
+            (str(run), *map(number, values))
+            for run, *values in connection.execute(_SQL["measured"]).fetchall()
+        ),
         note="Memory: of the largest worker process. A dash: the run did not say.",
     )
 
 
-def _rows(connection: duckdb.DuckDBPyConnection) -> Table:
-    counts = connection.execute(
-        "SELECT (SELECT count(*) FROM cases), (SELECT count(*) FROM bands), (SELECT count(*) FROM "
-        "psd_lines), "
-        "(SELECT count(*) FROM failures)"
-    ).fetchone()
-    return Table(
-        "Rows of the database",
-        ("cases", "one-third octaves", "narrow-band lines", "failures"),
-        (tuple(f"{count:,}" for count in counts or ()),),
-        words=0,
-    )
+def _row_counts(connection: duckdb.DuckDBPyConnection) -> Table:
+    counts = connection.execute(_SQL["row-counts"]).fetchone() or ()
+    columns = ("cases", "one-third octaves", "narrow-band lines", "failures")
+    return Table("Rows of the database", columns, (tuple(f"{count:,}" for count in counts),), words=0)
 
 
 def _soils(connection: duckdb.DuckDBPyConnection) -> Table:
-    rows = connection.execute(
-        "SELECT soil, layer, thickness_m, shear_speed_m_s, dilatational_speed_m_s, rayleigh_speed_m_s, "
-        "density_kg_m3, loss_factor FROM soil_layers ORDER BY soil, soil_id, layer"
-    ).fetchall()
     return Table(
         "Soils",
         (
@@ -108,7 +65,7 @@ def _soils(connection: duckdb.DuckDBPyConnection) -> Table:
             "Rayleigh speed [m/s]",
             "density [kg/m³]",
             "loss factor",
-        ),  # fmt: skip
+        ),
         tuple(
             (
                 str(soil),
@@ -116,18 +73,16 @@ def _soils(connection: duckdb.DuckDBPyConnection) -> Table:
                 "half-space" if thickness is None else number(thickness),
                 *map(number, values),
             )
-            for soil, layer, thickness, *values in rows
+            for soil, layer, thickness, *values in connection.execute(_SQL["soils"]).fetchall()
         ),
     )
 
 
 def _failures(connection: duckdb.DuckDBPyConnection) -> Table:
-    rows = connection.execute(
-        "SELECT kind, unit_id, attempt, worker, error FROM failures ORDER BY kind, unit_id"
-    ).fetchall()
-    return Table(
-        "Failures",
-        ("kind", "unit", "attempt", "worker", "error"),
-        tuple(tuple("–" if value is None else str(value) for value in row) for row in rows),
-        words=5,
-    )
+    rows = connection.execute(_SQL["failures"]).fetchall()
+    columns = ("kind", "unit", "attempt", "worker", "error")
+    return Table("Failures", columns, tuple(tuple(map(_text, row)) for row in rows), words=5)
+
+
+def _text(value: Any) -> str:
+    return "–" if value is None else str(value)

@@ -9,10 +9,11 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from queries.database.connection import ResultsError
+from queries.database import ResultsError
 
 _PARAMETER = re.compile(r"-- \$(?P<name>\w+) = (?P<value>.+?): (?P<meaning>.+)")
 
@@ -69,7 +70,7 @@ class Question:
 
 
 def questions(folder: Path | None = None) -> dict[str, Question]:
-    """Return the questions that come with railvib and those of a folder, by name; the folder's own come last.
+    """Return the questions of railvib and those of a folder, which take precedence, by name.
 
     Raises
     ------
@@ -80,12 +81,11 @@ def questions(folder: Path | None = None) -> dict[str, Question]:
         raise ResultsError(f"{folder}: no such folder of questions")
     shipped = resources.files("queries.answers") / "questions"
     files = [*shipped.iterdir(), *(folder.iterdir() if folder else ())]
-    found = [
-        _parsed(file.name.removesuffix(".sql"), file.read_text("utf-8"))
-        for file in sorted(files, key=lambda file: file.name)
-        if file.name.endswith(".sql")
-    ]
-    return {question.name: question for question in found}
+    names = [(file.name.removesuffix(".sql"), file) for file in files if file.name.endswith(".sql")]
+    return {
+        name: _parse(name, file.read_text("utf-8"))
+        for name, file in sorted(names, key=lambda named: named[0])
+    }
 
 
 def question(name: str, folder: Path | None = None) -> Question:
@@ -102,18 +102,15 @@ def question(name: str, folder: Path | None = None) -> Question:
     return known[name]
 
 
-def _parsed(name: str, text: str) -> Question:
-    comments = []
-    for line in text.splitlines():
-        if not line.startswith("--"):
-            break
-        comments.append(line)
-    found = [(line, _PARAMETER.fullmatch(line.strip())) for line in comments]
-    sentence = " ".join(line.removeprefix("--").strip() for line, match in found if match is None).strip()
+def _parse(name: str, text: str) -> Question:
+    lines = text.splitlines()
+    comments = list(takewhile(lambda line: line.startswith("--"), lines))
+    matches = [(line, _PARAMETER.fullmatch(line.strip())) for line in comments]
+    sentence = " ".join(line.removeprefix("--").strip() for line, match in matches if match is None).strip()
     if not sentence:
         raise ResultsError(f"{name}.sql: must begin with a comment that says what it answers")
     parameters = {}
-    for line, match in found:
+    for line, match in matches:
         if match:
             try:
                 default = ast.literal_eval(match["value"])
@@ -122,4 +119,4 @@ def _parsed(name: str, text: str) -> Question:
             if isinstance(default, bool) or not isinstance(default, str | int | float):
                 raise ResultsError(f"{name}.sql: the value in '{line}' must be a number or a 'text'")
             parameters[match["name"]] = Parameter(default, match["meaning"])
-    return Question(name, sentence, parameters, "\n".join(text.splitlines()[len(comments) :]).strip())
+    return Question(name, sentence, parameters, "\n".join(lines[len(comments) :]).strip())

@@ -1,25 +1,42 @@
-"""Questions in SQL: one statement that reads, on a connection that can do nothing else."""
+"""Questions in SQL: one statement that reads, on a connection that can do nothing else, within limits."""
 
 import csv
 import json
 import re
+import resource
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from threading import Event, Timer
 from typing import Any, TextIO
 
 import duckdb
+import psutil
 
 from queries.answers.table import Table
-from queries.database import connection as database
-from queries.database.connection import ResultsError
+from queries.database import ResultsError, connect, reason
+from queries.statements import statements
 
+_SQL = statements("queries.answers", "sql")
 _READING = ("SELECT", "EXPLAIN")
 _EXPLAIN = re.compile(r"^\s*explain(\s+analyze)?\b", re.IGNORECASE)
-_ROWS = ("generate_series", "json_each", "json_tree", "range", "repeat", "repeat_row", "unnest")
-"""Functions of DuckDB that give rows of what they are given, and do nothing else."""
+_ROW_FUNCTIONS = ("generate_series", "json_each", "json_tree", "range", "repeat", "repeat_row", "unnest")
+"""Functions of DuckDB that give rows of their arguments, and do nothing else."""
 _SHOWN_ROWS = 1000
 _FETCHED_ROWS = 10_000
+_OVERHEAD_BYTES = 2**28
+"""Memory of threads and of what is printed, beside that of a query."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What an answer may take: time, memory, and characters on the terminal."""
+
+    seconds: float = 60.0
+    memory_mb: float = 2000.0
+    printed_mb: float = 100.0
 
 
 def query(
@@ -32,7 +49,7 @@ def query(
     Parameters
     ----------
     connection
-        As `queries.database.connection.connect` gives it: it refuses what this check might let pass.
+        As `queries.database.connect` gives it: it refuses what this check might let pass.
     statement
         One SELECT, FROM, WITH, VALUES, DESCRIBE, SHOW, SUMMARIZE or EXPLAIN.
     parameters
@@ -44,19 +61,21 @@ def query(
         If it is no such statement, or DuckDB refuses it.
     """
     try:
-        found = duckdb.extract_statements(statement)
+        parsed = duckdb.extract_statements(statement)
     except duckdb.Error as error:
         raise ResultsError(_line(error)) from error
-    if len(found) != 1:
-        raise ResultsError(f"one statement is expected, {len(found)} are given")
-    kind = found[0].type.name
+    if len(parsed) != 1:
+        raise ResultsError(f"one statement is expected, {len(parsed)} are given")
+    kind = parsed[0].type.name
     if kind not in _READING:
         raise ResultsError(f"only statements that read are allowed, such as SELECT; this one is {kind}")
     refused = sorted(set(_table_functions(connection, statement)) - _allowed(connection))
     if refused:
         raise ResultsError(f"{', '.join(refused)}: functions that do more than give rows are not allowed")
     try:
-        return connection.execute(found[0], parameters)
+        return connection.execute(parsed[0], parameters)
+    except (duckdb.InterruptException, duckdb.OutOfMemoryException):
+        raise
     except duckdb.Error as error:
         raise ResultsError(_line(error)) from error
 
@@ -86,13 +105,9 @@ def _table_functions(connection: duckdb.DuckDBPyConnection, statement: str) -> I
 
 
 def _allowed(connection: duckdb.DuckDBPyConnection) -> set[str]:
-    """Return the functions for rows that only read: of the database, of what they are given, and macros."""
-    rows = connection.execute(
-        "SELECT function_name FROM duckdb_functions() WHERE function_type = 'table_macro' "
-        "OR (function_type = 'table' AND (function_name LIKE 'duckdb\\_%' ESCAPE '\\' "
-        "OR function_name LIKE 'pragma\\_%' ESCAPE '\\'))"
-    ).fetchall()
-    return {*_ROWS, *(row[0].lower() for row in rows)}
+    """Return the functions for rows that only read: of the database, of their arguments, and macros."""
+    rows = connection.execute(_SQL["functions-that-read"]).fetchall()
+    return {*_ROW_FUNCTIONS, *(row[0].lower() for row in rows)}
 
 
 def answer(
@@ -101,6 +116,7 @@ def answer(
     form: str = "table",
     output: Path | None = None,
     parameters: Mapping[str, Any] | Sequence[Any] = (),
+    limits: Limits = Limits(),
 ) -> None:
     """Answer one question about results on the terminal or in a file.
 
@@ -114,35 +130,119 @@ def answer(
         table, csv or parquet.
     output
         File to write; standard output if not given, which cannot take parquet.
+    limits
+        What the answer may take.
 
     Raises
     ------
     ResultsError
-        If there are no results, the statement is refused, or the file cannot be written.
+        If there are no results, the statement is refused, a limit is reached, or the file cannot be written.
     """
     if form == "parquet" and output is None:
         raise ResultsError("parquet is no text: name a file with --output")
-    with database.connect(named) as connection:
+    memory = f"{limits.memory_mb:.0f}MB"
+    with connect(named, memory=memory) as connection, _limited(connection, limits) as expired:
         result = query(connection, statement, parameters)
         try:
             if form == "parquet" and output is not None:
                 _write_parquet(result, output)
             elif output is not None:
                 with output.open("w", newline="", encoding="utf-8") as file:
-                    _write(result, form, file)
+                    _write(result, form, file, expired)
             else:
-                _write(result, form, sys.stdout)
+                _write(result, form, _Printed(sys.stdout, limits.printed_mb), expired)
+        except BrokenPipeError:
+            raise
         except OSError as error:
-            raise ResultsError(f"{output}: cannot be written: {error.strerror}") from error
-        except duckdb.Error as error:
-            raise ResultsError(_line(error)) from error
+            raise ResultsError(f"{output or 'the answer'}: cannot be written: {reason(error)}") from error
 
 
-def _write(result: duckdb.DuckDBPyConnection, form: str, file: TextIO) -> None:
+@contextmanager
+def _limited(connection: duckdb.DuckDBPyConnection, limits: Limits) -> Iterator[Event]:
+    """Turn a query that takes too long or too much memory into an error of one line.
+
+    Yields what is set as soon as time is up.
+    """
+    expired = Event()
+
+    def stop() -> None:
+        expired.set()
+        connection.interrupt()
+
+    timer = Timer(limits.seconds, stop)
+    timer.daemon = True
+    timer.start()
+    try:
+        with _memory_limited(limits.memory_mb):
+            yield expired
+    except duckdb.InterruptException as error:
+        if not expired.is_set():
+            raise KeyboardInterrupt from error
+        raise ResultsError(
+            f"takes longer than {limits.seconds:g} s; --time-limit sets another limit"
+        ) from error
+    except (duckdb.OutOfMemoryException, MemoryError) as error:
+        raise ResultsError(
+            f"takes more than {limits.memory_mb:g} MB of memory; --memory-limit sets another limit"
+        ) from error
+    except duckdb.Error as error:
+        raise ResultsError(_line(error)) from error
+    finally:
+        timer.cancel()
+
+
+@contextmanager
+def _memory_limited(megabytes: float) -> Iterator[None]:
+    """Limit the memory of this process meanwhile: DuckDB does not count that of long texts."""
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    taken = getattr(psutil.Process().memory_info(), "data", None)  # on Linux
+    if taken is not None:
+        most = int(taken + megabytes * 1e6 + _OVERHEAD_BYTES)
+        soft = most if before[0] == resource.RLIM_INFINITY else min(most, before[0])
+        resource.setrlimit(resource.RLIMIT_DATA, (soft, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, before)
+
+
+class _Printed:
+    """A terminal that takes so many characters and no more."""
+
+    def __init__(self, file: TextIO, megabytes: float) -> None:
+        self._file = file
+        self._megabytes = megabytes
+        self._left = megabytes * 1e6
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+    def write(self, text: str) -> int:
+        """Write text, unless it is too much.
+
+        Raises
+        ------
+        ResultsError
+            If it is.
+        """
+        self._left -= len(text)
+        if self._left < 0:
+            raise ResultsError(
+                f"the answer is longer than {self._megabytes:g} MB; --print-limit sets another limit, "
+                "--output writes it to a file"
+            )
+        return self._file.write(text)
+
+
+def _write(result: duckdb.DuckDBPyConnection, form: str, file: Any, expired: Event) -> None:
+    names = [column[0] for column in result.description or []]
     if form == "csv":
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(_names(result))
-        writer.writerows(_rows(result))
+        writer.writerow(names)
+        while rows := result.fetchmany(_FETCHED_ROWS):
+            writer.writerows(rows)
+            if expired.is_set():
+                raise duckdb.InterruptException
         return
     from rich.console import Console
 
@@ -151,7 +251,6 @@ def _write(result: duckdb.DuckDBPyConnection, form: str, file: TextIO) -> None:
     cells = tuple(
         tuple("NULL" if value is None else str(value) for value in row) for row in rows[:_SHOWN_ROWS]
     )
-    names = _names(result)
     Table("", tuple(names), cells, words=len(names), note=note).show(Console(file=file))
 
 
@@ -159,20 +258,11 @@ def _write_parquet(result: duckdb.DuckDBPyConnection, output: Path) -> None:
     """Write rows through a second, empty database: the one that reads results cannot write anywhere."""
     frame = result.fetchdf()
     with duckdb.connect(":memory:") as writer:
-        writer.from_df(frame).write_parquet(str(output))
-
-
-def _names(result: duckdb.DuckDBPyConnection) -> list[str]:
-    return [column[0] for column in result.description or []]
-
-
-def _rows(result: duckdb.DuckDBPyConnection) -> Iterator[tuple[Any, ...]]:
-    while rows := result.fetchmany(_FETCHED_ROWS):
-        yield from rows
+        writer.from_df(frame).write_parquet(str(output.absolute()))
 
 
 def _line(error: duckdb.Error) -> str:
     """Return the error in one line, with what DuckDB proposes instead."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    keep = [line for line in lines if not line.startswith(("LINE ", "^"))]
-    return " ".join(keep[:3]) if keep else "the statement is refused"
+    kept = [line for line in lines if not line.startswith(("LINE ", "^"))]
+    return " ".join(kept[:3]) if kept else "the statement is refused"

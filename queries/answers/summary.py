@@ -1,143 +1,164 @@
 """What the results say, in sentences made from the database alone."""
 
+from collections.abc import Iterable, Sequence
+
 import duckdb
 
-from queries.answers.compare import Error, case_count, cell, errors, pairs, reference, times, varying
+from queries.answers.approaches import label, reference
+from queries.answers.cases import case_count, varying
+from queries.answers.comparison import Pair, pairs
+from queries.answers.costs import times
+from queries.answers.errors import Error, cell, errors
 from queries.answers.table import Table, band, decibels, number
-from queries.figures.lines import approach_line
+from queries.statements import statements
 
+_SQL = statements("queries.answers", "summary")
+_COSTS = statements("queries.answers", "costs")
 TRUSTED_DB = 3.0
 """Mean size of error up to which an approach may stand in for the reference: a factor of two in energy."""
+_COLUMNS = {"force": "forces", "rail": "rail", "ground": "ground"}
+"""Places with what their columns are called."""
+_SENTENCES = 6
+"""Sentences on extrapolated unevenness, at most."""
 
-PLACES = {
-    "forces": "quantity = 'wheel_rail_force'",
-    "rail": "receiver = 'rail'",
-    "ground": "receiver = 'ground'",
-}
-"""What errors are summed up over, by their condition in SQL."""
+_Cost = tuple[float | None, float | None, float | None, float | None]
+"""CPU seconds of a case and how much faster that is than the reference; the same of one more speed."""
+_UNKNOWN: _Cost = (None, None, None, None)
 
 
 def summary(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> list[str]:
-    """Return what the data say, in sentences: error and cost of every approach, and what is missing."""
-    sentences = []
-    against, spent = reference(connection), _spent(connection)
-    for pair in pairs(connection):
-        approach = str(pair.approach)
-        places = errors(connection, pair, ("receiver",), contribution)
-        whole = errors(connection, pair, (*varying(connection), "receiver"), contribution)
-        name, other = _label(approach), approach_line(against).label
-        if not places:
-            sentences.append(f"{name} cannot be compared with the {other}: no case has results of both.")
-            continue
-        best, worst = min(places, key=_size), max(places, key=_size)
-        largest = max(whole, key=lambda error: abs(error.largest))
-        where = ", ".join(
-            cell(axis, value) for axis, value in zip(varying(connection), largest.group, strict=False)
-        )
-        sentence = (
-            f"{name} is {worst.mean_absolute:.1f} dB from the {other} on average where it is furthest "
-            f"({worst.group[0]}, mean {decibels(worst.mean)} dB), "
-            f"{best.mean_absolute:.1f} dB where it is closest ({best.group[0]}); "
-            f"the largest difference of a band is {decibels(largest.largest)} dB at "
-            f"{band(largest.largest_band_hz)} Hz ({where}, {largest.group[-1]})."
-        )
-        cpu, faster, more, more_faster = spent.get(approach, _NOTHING)
-        if faster is not None:
-            sentence += f" It costs {number(cpu)} CPU seconds per case, {_ratio(faster, other)}"
-            if more_faster is not None:
-                sentence += f"; one more speed costs {number(more)} CPU seconds, {_ratio(more_faster, other)}"
-            sentence += "."
-        sentences.append(sentence)
-    return sentences
+    """Return error and cost of every approach against the reference, in a sentence each."""
+    costs = _costs(connection)
+    return [
+        _sentence(connection, pair, contribution, costs.get(str(pair.approach), _UNKNOWN))
+        for pair in pairs(connection)
+    ]
 
 
-_Spent = tuple[float | None, float | None, float | None, float | None]
-"""CPU seconds of a case and how much faster that is than the reference; the same of one more speed."""
-_NOTHING: _Spent = (None, None, None, None)
+def _sentence(connection: duckdb.DuckDBPyConnection, pair: Pair, contribution: str, cost: _Cost) -> str:
+    name, against = label(str(pair.approach)), label(reference(connection))
+    name = name[:1].upper() + name[1:]
+    by_receiver = errors(connection, pair, ("receiver",), contribution)
+    if not by_receiver:
+        return f"{name} cannot be compared with the {against}: no case has results of both."
+    axes = varying(connection)
+    by_case = errors(connection, pair, (*axes, "receiver"), contribution)
+    best, worst = (choose(by_receiver, key=_mean_size) for choose in (min, max))
+    largest = max(by_case, key=lambda error: abs(error.largest))
+    where = ", ".join(cell(axis, value) for axis, value in zip(axes, largest.group, strict=False))
+    sentence = (
+        f"{name} is {worst.mean_absolute:.1f} dB from the {against} on average where it is furthest "
+        f"({worst.group[0]}, mean {decibels(worst.mean)} dB), "
+        f"{best.mean_absolute:.1f} dB where it is closest ({best.group[0]}); "
+        f"the largest difference of a band is {decibels(largest.largest)} dB at "
+        f"{band(largest.largest_band_hz)} Hz ({where}, {largest.group[-1]})."
+    )
+    cpu, faster, marginal_cpu, marginal_faster = cost
+    if faster is not None:
+        sentence += f" It costs {number(cpu)} CPU seconds per case, {_ratio(faster, against)}"
+        if marginal_faster is not None:
+            marginal = _ratio(marginal_faster, against)
+            sentence += f"; one more speed costs {number(marginal_cpu)} CPU seconds, {marginal}"
+        sentence += "."
+    return sentence
 
 
-def _spent(connection: duckdb.DuckDBPyConnection) -> dict[str, _Spent]:
+def _mean_size(error: Error) -> float:
+    return error.mean_absolute
+
+
+def _ratio(factor: float, against: str) -> str:
+    if factor >= 1.0:
+        return f"{number(factor, 2)} times less than the {against}"
+    return f"{number(1.0 / factor, 2)} times more than the {against}"
+
+
+def _costs(connection: duckdb.DuckDBPyConnection) -> dict[str, _Cost]:
     """Return what a case takes by each approach, mean over all cases."""
-    rows = connection.execute(
-        "SELECT approach, avg(cpu_s), avg(speed_up), avg(marginal_speed_cpu_s), avg(marginal_speed_up) "
-        "FROM runtime GROUP BY approach"
-    ).fetchall()
-    return {approach: (cpu, faster, more, more_faster) for approach, cpu, faster, more, more_faster in rows}
+    rows = connection.execute(_COSTS["mean-per-approach"]).fetchall()
+    return {approach: (cpu, faster, *marginal) for approach, cpu, faster, *marginal in rows}
 
 
 def missing(connection: duckdb.DuckDBPyConnection) -> list[str]:
     """Return what was asked for and is not there, in sentences."""
-    lost = connection.execute(
-        "SELECT approach, count(DISTINCT case_id), any_value(error) FROM missing GROUP BY approach ORDER BY "
-        "approach"
-    ).fetchall()
     cases = case_count(connection)
     return [
         f"Missing: {approach} lacks results in {count} of {cases} cases" + (f" ({error})." if error else ".")
-        for approach, count, error in lost
+        for approach, count, error in connection.execute(_SQL["missing"]).fetchall()
     ]
 
 
-def _label(approach: str) -> str:
-    label = approach_line(approach).label
-    return label[:1].upper() + label[1:]
+def extrapolated(connection: duckdb.DuckDBPyConnection) -> list[str]:
+    """Return the bands in which more than half of the unevenness lies outside its range of validity."""
+    rows = connection.execute(_SQL["extrapolated"]).fetchall()
+    sentences = []
+    for unevenness, speeds, bands, every in rows[:_SENTENCES]:
+        at = f"{speeds[0]:g}"
+        if len(speeds) > 1:
+            at = f"{len(speeds)} speeds from {at} to {speeds[-1]:g}"
+        sentences.append(
+            f"Extrapolated: more than half of the unevenness {unevenness} lies outside its range of validity "
+            f"in {len(bands)} of {len(every)} bands ({_ranges(bands, every)}) at {at} km/h."
+        )
+    if len(rows) > _SENTENCES:
+        more = len(rows) - _SENTENCES
+        sentences.append(f"The same holds for {more} more combinations of unevenness, bands and speeds.")
+    return sentences
 
 
-def _size(error: Error) -> float:
-    return error.mean_absolute
-
-
-def _ratio(times: float, against: str) -> str:
-    if times >= 1.0:
-        return f"{number(times, 2)} times less than the {against}"
-    return f"{number(1.0 / times, 2)} times more than the {against}"
+def _ranges(bands: Sequence[float], every: Sequence[float]) -> str:
+    """Return bands as text, those that follow one another as a range."""
+    places = sorted(every.index(value) for value in bands)
+    runs: list[list[int]] = []
+    for place in places:
+        if runs and place == runs[-1][-1] + 1:
+            runs[-1].append(place)
+        else:
+            runs.append([place])
+    names = [[band(every[place]) for place in (run[0], run[-1])] for run in runs]
+    return ", ".join(first if first == last else f"{first} to {last}" for first, last in names) + " Hz"
 
 
 def verdicts(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic") -> Table:
     """Return error and cost of every approach at a glance, and from which band up it may be trusted."""
-    against, spent = reference(connection), _spent(connection)
-    places = " ".join(f"WHEN {condition} THEN '{place}'" for place, condition in PLACES.items())
+    against, costs = label(reference(connection)), _costs(connection)
     rows = []
     for pair in pairs(connection):
-        found = connection.execute(
-            f"SELECT CASE {places} END AS place, band_hz, avg(abs(difference_db)), count(*) "
-            f"FROM ({pair.rows}) WHERE averaging = 'line' AND contribution = ${len(pair.given) + 1} "
-            "AND difference_db IS NOT NULL GROUP BY place, band_hz ORDER BY band_hz DESC",
-            [*pair.given, contribution],
-        ).fetchall()
+        query = _SQL["by-place-and-band"].format(rows=pair.rows)
+        found = connection.execute(query, {**pair.parameters, "contribution": contribution}).fetchall()
         cells = []
-        for place in PLACES:
-            there = [row[1:] for row in found if row[0] == place]
-            cells += [_mean(there), _trusted(there)]
-        cpu, faster, _, more_faster = spent.get(str(pair.approach), _NOTHING)
-        label = approach_line(str(pair.approach)).label
-        rows.append((label, *cells, number(cpu), times(faster), times(more_faster)))
+        for place in _COLUMNS:
+            of_place = [row[1:] for row in found if row[0] == place]
+            cells += [_mean(of_place), _trusted(of_place)]
+        cpu, faster, _, marginal_faster = costs.get(str(pair.approach), _UNKNOWN)
+        name = label(str(pair.approach))
+        rows.append((name, *cells, number(cpu), times(faster), times(marginal_faster)))
+    headings = (
+        heading
+        for name in _COLUMNS.values()
+        for heading in (f"{name}: mean |dB|", f"within {TRUSTED_DB:g} dB from")
+    )
     return Table(
-        title=f"Against the {approach_line(against).label}, at a glance",
-        columns=(
-            "approach",
-            *(head for place in PLACES for head in (f"{place}: mean |dB|", f"within {TRUSTED_DB:g} dB from")),
-            "CPU per case [s]",
-            "faster",
-            "faster, one more speed",
-        ),
+        title=f"Against the {against}, at a glance",
+        columns=("approach", *headings, "CPU per case [s]", "faster", "faster, one more speed"),
         rows=tuple(rows),
         note=f"Mean size of the error over all cases, receivers and bands. Within {TRUSTED_DB:g} dB from: "
-        f"the lowest "
-        "band from which upwards the mean size of the error stays so small. Faster: CPU time of "
-        f"the {approach_line(against).label} over that of the approach.",
+        "the lowest band from which upwards the mean size of the error stays so small. Faster: CPU time of "
+        f"the {against} over that of the approach.",
     )
 
 
-def _mean(found: list[tuple[float, float, int]]) -> str:
-    count = sum(row[2] for row in found)
-    return f"{sum(row[1] * row[2] for row in found) / count:.1f}" if count else "–"
+def _mean(rows: Iterable[tuple[float, float, int]]) -> str:
+    """Return the mean size of the error over all values, from that of each band and their numbers."""
+    weighted = [(error * count, count) for _, error, count in rows]
+    count = sum(number for _, number in weighted)
+    return f"{sum(total for total, _ in weighted) / count:.1f}" if count else "–"
 
 
-def _trusted(found: list[tuple[float, float, int]]) -> str:
+def _trusted(rows: Iterable[tuple[float, float, int]]) -> str:
     """Return the lowest band from which upwards the error is small, given from the highest band down."""
     lowest = None
-    for band_hz, error, _ in found:
+    for band_hz, error, _ in rows:
         if error > TRUSTED_DB:
             break
         lowest = band_hz

@@ -1,6 +1,5 @@
 """A table for people: headings with units and cells of text, the same in a terminal and in a page."""
 
-import html
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -41,11 +40,9 @@ class Table:
         from rich.table import Table as Grid
         from rich.text import Text
 
-        title = Text(printable(self.title)) if self.title else None
+        if self.title:
+            console.print(Text(printable(self.title), style="bold"), soft_wrap=not console.is_terminal)
         grid = Grid(
-            title=title,
-            title_justify="left",
-            title_style="bold",
             header_style="bold",
             box=SIMPLE_HEAD,
             pad_edge=False,
@@ -68,22 +65,16 @@ class Table:
         if self.note:
             console.print(Text(self.note, style="dim"))
 
-    def html(self) -> str:
-        """Return it as HTML; every cell is escaped."""
-        head = "".join(f'<th scope="col">{html.escape(heading)}</th>' for heading in self.columns)
-        body = "".join(f"<tr>{self._cells(row)}</tr>\n" for row in self.rows)
-        note = f"<p class='note'>{html.escape(self.note)}</p>\n" if self.note else ""
-        caption = f"<caption>{html.escape(self.title)}</caption>"
-        return f"<table>{caption}<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table>\n{note}"
-
-    def _cells(self, row: tuple[str, ...]) -> str:
-        kinds = ("" if number < self.words else ' class="number"' for number in range(len(row)))
-        return "".join(f"<td{kind}>{html.escape(cell)}</td>" for kind, cell in zip(kinds, row, strict=True))
-
 
 def printable(text: str) -> str:
     """Return text without characters that a terminal obeys rather than shows."""
     return "".join(character if character.isprintable() else " " for character in text)
+
+
+def plain(text: str) -> str:
+    """Return a name as a figure or sentence may show it; a leading underscore would hide it from a legend."""
+    text = printable(text)
+    return f" {text}" if text.startswith("_") else text
 
 
 def number(value: float | None, digits: int = 3) -> str:

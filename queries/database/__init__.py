@@ -1,1 +1,23 @@
 """The results in DuckDB: its schema, and how stored records and arrays get into it."""
+
+from queries.database.connection import connect, fetch_columns, filled, snapshot
+from queries.database.ingest import Ingest, begin, ingest, is_outdated
+from queries.database.place import DATABASE, Place, ResultsError, duckdb_path, locate, quoted, reason
+
+__all__ = [
+    "DATABASE",
+    "Ingest",
+    "Place",
+    "ResultsError",
+    "begin",
+    "connect",
+    "duckdb_path",
+    "fetch_columns",
+    "filled",
+    "ingest",
+    "is_outdated",
+    "locate",
+    "quoted",
+    "reason",
+    "snapshot",
+]

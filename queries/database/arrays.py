@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from queries.database.manifests import Contents, Row
 from queries.database.rows import Writer
 
-_BLOCK_DECADES = 0.5
-"""Width of a block of frequencies."""
-
 _KEYS = ("contribution", "quantity", "receiver", "averaging")
+_NAMES = ("soil", "track", "soil_id", "track_id")
+_KMH = 3.6
 
 
 class Reader:
@@ -27,20 +26,19 @@ class Reader:
         The run directory.
     source
         Its number in the database.
-    said
+    contents
         What its manifests say.
     """
 
-    def __init__(self, writer: Writer, directory: Path, source: int, said: Contents) -> None:
+    def __init__(self, writer: Writer, directory: Path, source: int, contents: Contents) -> None:
         self._writer = writer
         self._directory = directory
         self._source = source
-        self._said = said
+        self._contents = contents
         row = writer.connection.execute("SELECT coalesce(max(series_id) + 1, 0) FROM series").fetchone()
-        self._series = int(row[0]) if row else 0
-        self._cases = {case["case_id"]: case for case in said.tables["cases"]}
+        self._next_series = int(row[0]) if row else 0
 
-    def take(self, record: Row) -> str | None:
+    def read(self, record: Row) -> str | None:
         """Insert the rows of one committed unit; return what is wrong with its arrays, if anything."""
         from sweep.storage import store
 
@@ -48,72 +46,69 @@ class Reader:
             arrays, attributes = store.read_recorded(self._directory, record)
         except store.DamagedError as error:
             return f"the arrays cannot be read: {error}"
-        TAKEN[record["kind"]](self, record, arrays, attributes)
+        KINDS[record["kind"]](self, record, arrays, attributes)
         return None
 
-    def _head(self, record: Row) -> dict[str, Any]:
-        return {
-            "source": self._source,
-            **{name: record.get(name) for name in ("run_id", "model_version", "unit_id")},
-        }
+    def _origin(self, record: Row) -> dict[str, Any]:
+        """Return the columns that say where rows come from."""
+        names = ("run_id", "model_version", "unit_id")
+        return {"source": self._source, **{name: record.get(name) for name in names}}
 
-    def _spectra(
+    def _insert_spectra(
         self, record: Row, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]
     ) -> None:
-        offset = np.asarray(arrays.get("offset_m", attributes.get("offset_m")), dtype=float)
+        offsets = np.asarray(arrays.get("offset_m", attributes.get("offset_m")), dtype=float)
         keys = [
-            {"offset_m": None if np.isnan(at) else float(at), **dict(zip(_KEYS, row, strict=True))}
-            for at, *row in zip(offset, *(attributes[name] for name in _KEYS), strict=True)
+            {"offset_m": None if np.isnan(offset) else float(offset), **dict(zip(_KEYS, row, strict=True))}
+            for offset, *row in zip(offsets, *(attributes[name] for name in _KEYS), strict=True)
         ]
-        band, frequency = arrays["band"], arrays["frequency"]
-        shape = (len(keys), band.size)
-        share = np.broadcast_to(arrays.get("extrapolated_share", np.nan), shape)
-        for case_id, approach in sorted(self._said.owners[record["unit_id"]]):
-            head = {"case_id": case_id, "approach": approach, **self._head(record)}
-            self._writer.stretches(
-                "bands",
-                [{**head, **key} for key in keys],
-                {
-                    "band_hz": np.broadcast_to(band, shape),
-                    "mean_square": arrays["mean_square"],
-                    "extrapolated_share": share,
-                },
-            )
-            kept = [
+        band, mean_square = arrays["band"], arrays["mean_square"]
+        shape = mean_square.shape
+        numbers = {
+            "band_hz": np.broadcast_to(band, shape),
+            "mean_square": mean_square,
+            "peak_mean_square": np.broadcast_to(_peaks(keys, mean_square)[:, None], shape),
+            "extrapolated_share": np.broadcast_to(arrays.get("extrapolated_share", np.nan), shape),
+        }
+        for case_id, approach in sorted(self._contents.owners[record["unit_id"]]):
+            head = {"case_id": case_id, "approach": approach, **self._origin(record)}
+            self._writer.stretches("bands", [{**head, **key} for key in keys], numbers)
+            chosen = [
                 place
                 for place, key in enumerate(keys)
-                if wanted(self._said.narrow_band, approach, key["receiver"], key["offset_m"])
+                if wanted(self._contents.narrow_band, approach, key["receiver"], key["offset_m"])
             ]
-            if kept:
-                numbers = np.arange(self._series, self._series + len(kept))
-                self._series += len(kept)
-                self._writer.stretches(
-                    "series",
-                    [{**head, **keys[place]} for place in kept],
-                    {"series_id": numbers[:, None]},
-                )
-                self._writer.stretches(
-                    "psd_lines",
-                    [{"series_id": number} for number in numbers.tolist()],
-                    {
-                        "frequency_hz": np.broadcast_to(frequency, (len(kept), frequency.size)),
-                        "value": arrays["psd"] if len(kept) == len(keys) else arrays["psd"][kept],
-                    },
-                )
+            if chosen:
+                heads = [{**head, **keys[place]} for place in chosen]
+                psd = arrays["psd"] if len(chosen) == len(keys) else arrays["psd"][chosen]
+                self._insert_lines(heads, arrays["frequency"], psd)
 
-    def _receptance(self, record: Row, arrays: Mapping[str, NDArray[Any]], _: Mapping[str, Any]) -> None:
+    def _insert_lines(self, heads: list[dict[str, Any]], frequency: NDArray[Any], psd: NDArray[Any]) -> None:
+        """Insert narrow-band spectra: a series each, and its lines."""
+        numbers = np.arange(self._next_series, self._next_series + len(heads))
+        self._next_series += len(heads)
+        self._writer.stretches("series", heads, {"series_id": numbers[:, None]})
+        self._writer.stretches(
+            "psd_lines",
+            [{"series_id": number} for number in numbers.tolist()],
+            {"frequency_hz": np.broadcast_to(frequency, psd.shape), "value": psd},
+        )
+
+    def _insert_receptance(
+        self, record: Row, arrays: Mapping[str, NDArray[Any]], _: Mapping[str, Any]
+    ) -> None:
         """Insert the receptance under the load, once for every soil and track whose cases use this unit."""
-        names = ("soil", "track", "soil_id", "track_id")
         nearest = int(np.argmin(np.abs(arrays["distance"])))
-        own = _own(arrays["frequency"]) if "blocks" in record["inputs"] else slice(None)
-        frequency, receptance = arrays["frequency"][own], arrays["receptance"][own, nearest]
-        used = {case_id for case_id, _ in self._said.owners[record["unit_id"]]}
-        for named in sorted({tuple(self._cases[each][name] for name in names) for each in used}, key=str):
+        # Without `inside`, in older stores, frequencies of halos stay: they agree with their neighbours'.
+        inside = arrays.get("inside", np.ones(arrays["frequency"].size, bool))
+        frequency, first = np.unique(arrays["frequency"][inside], return_index=True)
+        receptance = arrays["receptance"][inside, nearest][first]
+        for names in self._contents.named(record["unit_id"], _NAMES):
             head = {
-                **dict(zip(names, named, strict=True)),
-                "speed_kmh": round(float(record["inputs"]["speed"]) * 3.6, 9),
+                **dict(zip(_NAMES, names, strict=True)),
+                "speed_kmh": round(float(record["inputs"]["speed"]) * _KMH, 9),
                 "distance_m": float(arrays["distance"][nearest]),
-                **self._head(record),
+                **self._origin(record),
             }
             self._writer.stretches(
                 "receptances",
@@ -126,22 +121,14 @@ class Reader:
             )
 
 
-def _own(frequency: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return which frequencies of blocks no other block has.
-
-    Blocks follow one another, each beginning below the end of the one before. A block reaches over half a
-    decade in even logarithmic steps, and as far beyond its lower edge as beyond its upper one, which is the
-    lower one of the next block.
-    """
-    position = np.log10(frequency)
-    own = np.zeros(frequency.size, bool)
-    for rows in np.split(np.arange(frequency.size), np.flatnonzero(np.diff(position) <= 0.0) + 1):
-        first, last = position[rows[0]], position[rows[-1]]
-        beyond = (last - first - _BLOCK_DECADES) / 2.0
-        half_step = (last - first) / (2 * max(rows.size - 1, 1))
-        lower = first + max(beyond, 0.0) - half_step
-        own[rows] = (position[rows] > lower) & (position[rows] < lower + _BLOCK_DECADES)
-    return own
+def _peaks(keys: list[dict[str, Any]], mean_square: NDArray[Any]) -> NDArray[np.float64]:
+    """Return per series the largest band of any contribution to the same quantity at the same receiver."""
+    peaks: dict[tuple[Any, ...], float] = {}
+    names = ("quantity", "receiver", "offset_m", "averaging")
+    places = [tuple(key[name] for name in names) for key in keys]
+    for place, largest in zip(places, mean_square.max(axis=1).tolist(), strict=True):
+        peaks[place] = max(largest, peaks.get(place, 0.0))
+    return np.array([peaks[place] for place in places])
 
 
 def wanted(setting: Any, approach: str, receiver: str, offset: float | None) -> bool:
@@ -167,6 +154,6 @@ def wanted(setting: Any, approach: str, receiver: str, offset: float | None) -> 
     )
 
 
-_Take = Callable[[Reader, Row, Mapping[str, NDArray[Any]], Mapping[str, Any]], None]
-TAKEN: dict[str, _Take] = {"spectra": Reader._spectra, "receptance": Reader._receptance}
+_Insert = Callable[[Reader, Row, Mapping[str, NDArray[Any]], Mapping[str, Any]], None]
+KINDS: dict[str, _Insert] = {"spectra": Reader._insert_spectra, "receptance": Reader._insert_receptance}
 """Kinds of units whose arrays have rows in the database, and what inserts them."""

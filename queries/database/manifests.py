@@ -2,14 +2,20 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import cached_property
 from typing import Any
 
-from queries.database import parameters
+from queries.database import definitions
+from queries.database.definitions import KINDS
 
 Row = Mapping[str, Any]
+Manifest = Mapping[str, Any]
+
+LABEL = ("case_id", *KINDS)
+"""Columns that tell the rows of cases apart: a case has a row for every label."""
 
 
 @dataclass(frozen=True)
@@ -30,55 +36,70 @@ class Contents:
     owners: dict[str, set[tuple[str, str]]]
     narrow_band: Any
 
+    @cached_property
+    def _labels(self) -> dict[str, list[Row]]:
+        labels: dict[str, list[Row]] = {}
+        for row in self.tables["cases"]:
+            labels.setdefault(row["case_id"], []).append(row)
+        return labels
+
+    def named(self, unit: str, columns: Sequence[str]) -> list[tuple[Any, ...]]:
+        """Return these columns of the labels of all cases that a unit serves, each combination once."""
+        cases = {case for case, _ in self.owners[unit]}
+        rows = (row for case in cases for row in self._labels[case])
+        return sorted({tuple(row[column] for column in columns) for row in rows}, key=str)
+
     def key(self, unit: str) -> str:
-        """Return what the rows of a unit's arrays depend on besides the unit: a change makes them stale."""
-        pairs = sorted(self.owners[unit])
-        cases = {row["case_id"]: row for row in self.tables["cases"]}
-        named = sorted({(cases[case]["soil_id"], cases[case]["track_id"]) for case, _ in pairs}, key=str)
-        return hashlib.sha256(
-            json.dumps([pairs, named, self.narrow_band], sort_keys=True).encode()
-        ).hexdigest()
+        """Return a digest of what rows of a unit's arrays depend on besides: a change makes them stale."""
+        named = self.named(unit, ("soil_id", "track_id"))
+        text = json.dumps([sorted(self.owners[unit]), named, self.narrow_band], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
 
 
-def contents(manifests: list[dict[str, Any]]) -> Contents:
-    """Return what the manifests say, the earliest first; the newest names a case."""
+def contents(manifests: Sequence[Manifest]) -> Contents:
+    """Return what the manifests say, the earliest first."""
     tables: dict[str, list[Row]] = {
         "runs": [_run(manifest) for manifest in manifests],
         "run_cases": [],
         "case_units": [],
     }
-    cases: dict[str, Row] = {}
+    cases: dict[tuple[Any, ...], Row] = {}
     bands: dict[tuple[str, float], Row] = {}
-    named: dict[str, dict[tuple[Any, ...], parameters.Row]] = {table: {} for table in parameters.TABLES}
+    defined: dict[str, dict[tuple[Any, ...], Row]] = {table: {} for table in definitions.TABLES}
     owners: dict[str, set[tuple[str, str]]] = {}
     for manifest in manifests:
-        run_id, given = manifest["run_id"], manifest.get("parameters", {})
-        for table, rows in parameters.rows(given, manifest.get("rayleigh_speeds_m_s", {})).items():
-            named[table].update({tuple(row[name] for name in parameters.TABLES[table]): row for row in rows})
-        ids = {
-            kind: {name: parameters.identity(name, thing) for name, thing in given.get(kind, {}).items()}
-            for kind in parameters.KINDS
-        }
+        for table, rows in definitions.rows(manifest).items():
+            key = definitions.TABLES[table]
+            defined[table].update({tuple(row[column] for column in key): row for row in rows})
+        ids = definitions.identities(manifest)
         for name, rows in manifest.get("unevenness_bands", {}).items():
-            key = ids["unevenness"].get(name, name)
+            unevenness_id = ids["unevenness"].get(name, name)
             for row in rows:
-                bands[key, row["wavelength_m"]] = {**row, "unevenness": name, "unevenness_id": key}
+                place = unevenness_id, row["wavelength_m"]
+                bands[place] = {**row, "unevenness": name, "unevenness_id": unevenness_id}
+        run_id = manifest["run_id"]
         for case in manifest["cases"]:
             case_id = case["case_id"]
-            names = {column: case[column] for column in (*parameters.KINDS, "case_id", "speed_kmh")}
-            cases[case_id] = {
-                **names,
-                **{f"{kind}_id": ids[kind].get(case[kind]) for kind in parameters.KINDS},
-            }
+            for label in _labels(case):
+                row = {"case_id": case_id, **label}
+                row |= {f"{kind}_id": ids[kind].get(label[kind]) for kind in KINDS}
+                cases[tuple(row[column] for column in LABEL)] = row
             tables["run_cases"].append({"run_id": run_id, "case_id": case_id})
             for approach, units in case["units"].items():
+                of_case = {"run_id": run_id, "case_id": case_id, "approach": approach}
                 for unit in units:
-                    row = {"run_id": run_id, "case_id": case_id, "approach": approach}
-                    tables["case_units"].append({**row, "unit_id": unit["unit_id"], "scope": unit["scope"]})
+                    unit_row = {"unit_id": unit["unit_id"], "scope": unit["scope"]}
+                    tables["case_units"].append({**of_case, **unit_row})
                     owners.setdefault(unit["unit_id"], set()).add((case_id, approach))
     tables |= {"cases": list(cases.values()), "unevenness_bands": list(bands.values())}
-    tables |= {table: list(rows.values()) for table, rows in named.items()}
+    tables |= {table: list(rows.values()) for table, rows in defined.items()}
     return Contents(tables, owners, _narrow_band(manifests[-1]))
+
+
+def _labels(case: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield the names and the speed of a case, as often as a study names it."""
+    for label in case.get("labels", [case]):  # older manifests hold one label, beside the id of the case
+        yield {name: label[name] for name in (*KINDS, "speed_kmh")}
 
 
 def utc(moment: Any) -> str | None:
@@ -93,15 +114,15 @@ def utc(moment: Any) -> str | None:
     return when.replace(tzinfo=None).isoformat()
 
 
-def _run(manifest: Row) -> Row:
-    counted = {
+def _run(manifest: Manifest) -> Row:
+    amounts = {
         f"{when}_{name}": value
         for when in ("planned", "measured")
         for name, value in (manifest.get(when) or {}).items()
     }
     return {
         **manifest,
-        **counted,
+        **amounts,
         "study": manifest.get("study_name"),
         "versions": json.dumps(manifest.get("versions"), sort_keys=True),
         "resolved_study": json.dumps(manifest.get("study"), sort_keys=True),
@@ -110,6 +131,6 @@ def _run(manifest: Row) -> Row:
     }
 
 
-def _narrow_band(manifest: Row) -> Any:
+def _narrow_band(manifest: Manifest) -> Any:
     output = manifest.get("study", {}).get("output") or {}
     return output.get("narrow_band", "all")

@@ -12,10 +12,13 @@ _NUMBERS = ("INTEGER", "BIGINT", "DOUBLE")
 _HELD_ROWS = 400_000
 """Rows of a table that are held in memory before they are inserted, some 10 MB."""
 
+Columns = Sequence[tuple[str, str]]
+"""Names and types."""
+
 
 @dataclass
-class _Held:
-    """Rows that wait: words once per stretch of rows, numbers in arrays as they came."""
+class _Stretches:
+    """Stretches of rows that wait: text once per stretch, numbers in arrays as they came."""
 
     heads: list[Mapping[str, Any]] = field(default_factory=list)
     sizes: list[int] = field(default_factory=list)
@@ -29,20 +32,34 @@ class Writer:
     def __init__(self, connection: duckdb.DuckDBPyConnection) -> None:
         self.connection = connection
         self._columns: dict[str, list[tuple[str, str]]] = {}
-        self._held: dict[str, _Held] = {}
+        self._waiting: dict[str, _Stretches] = {}
         for table, name, kind in connection.execute(
-            "SELECT table_name, column_name, data_type FROM duckdb_columns() WHERE NOT internal "
-            "ORDER BY table_name, column_index"
+            "SELECT table_name, column_name, data_type FROM duckdb_columns() WHERE NOT internal ORDER BY ALL"
         ).fetchall():
             self._columns.setdefault(table, []).append((name, kind))
 
-    def rows(self, table: str, rows: Iterable[Mapping[str, Any]]) -> None:
-        """Insert rows; what a row lacks becomes NULL, what a table lacks is left out."""
+    def rows(self, table: str, rows: Iterable[Mapping[str, Any]], replacing: Sequence[str] = ()) -> None:
+        """Insert rows; what a row lacks becomes NULL, what a table lacks is left out.
+
+        Parameters
+        ----------
+        table
+            Its name.
+        rows
+            Values by column.
+        replacing
+            Columns; rows that agree in them with a new one are removed first.
+        """
         rows = list(rows)
-        if rows:
-            sent = _sent(self._columns[table], rows)
-            self.connection.register("given", sent)
-            self._insert(table, sent, "given")
+        if not rows:
+            return
+        columns = self._columns[table]
+        values = _to_arrays(columns, rows)
+        self.connection.register("new", values)
+        if replacing:
+            same = " AND ".join(f'{table}."{name}" = new."{name}"' for name in replacing)
+            self.connection.execute(f"DELETE FROM {table} USING new WHERE {same}")
+        self._insert(table, values, "new")
 
     def stretches(
         self, table: str, heads: Sequence[Mapping[str, Any]], numbers: Mapping[str, NDArray[Any]]
@@ -54,48 +71,51 @@ class Writer:
         table
             Its name.
         heads
-            What all rows of a stretch share.
+            Values that all rows of a stretch share.
         numbers
             Columns of shape (head, row); NaN becomes NULL.
         """
-        held = self._held.setdefault(table, _Held())
+        waiting = self._waiting.setdefault(table, _Stretches())
+        size = next(iter(numbers.values())).shape[1]
         for name, array in numbers.items():
-            held.numbers.setdefault(name, []).append(array)
-            size = array.shape[1]
-        held.heads += heads
-        held.sizes += [size] * len(heads)
-        held.rows += size * len(heads)
-        if held.rows > _HELD_ROWS:
+            waiting.numbers.setdefault(name, []).append(array)
+        waiting.heads += heads
+        waiting.sizes += [size] * len(heads)
+        waiting.rows += size * len(heads)
+        if waiting.rows > _HELD_ROWS:
             self._flush(table)
 
     def flush(self) -> None:
-        """Insert all that is held, for good."""
-        for table in list(self._held):
+        """Insert all stretches that wait, for good."""
+        for table in list(self._waiting):
             self._flush(table)
 
     def _flush(self, table: str) -> None:
-        """Insert what is held of a table, for good: the memory of a transaction grows with its rows."""
-        held = self._held.pop(table)
-        numbers = {name: _joined(parts) for name, parts in held.numbers.items()}
+        """Insert the stretches of a table, for good: the memory of a transaction grows with its rows."""
+        waiting = self._waiting.pop(table)
+        numbers = {name: _joined(parts) for name, parts in waiting.numbers.items()}
         shared = [(name, kind) for name, kind in self._columns[table] if name not in numbers]
-        heads = _sent(shared, held.heads)
+        heads = _to_arrays(shared, waiting.heads)
         if any(kind not in _NUMBERS for _, kind in shared):
-            place = np.arange(len(held.heads), dtype=np.int32)
+            place = np.arange(len(waiting.heads), dtype=np.int32)
             self.connection.register("heads", {**heads, "head": place})
-            self.connection.register("given", {**numbers, "head": np.repeat(place, held.sizes)})
-            source = "given JOIN heads USING (head)"
+            self.connection.register("new", {**numbers, "head": np.repeat(place, waiting.sizes)})
+            relation = "new JOIN heads USING (head)"
         else:  # numbers alone need no join
-            heads = {name: np.repeat(sent, held.sizes) for name, sent in heads.items()}
-            self.connection.register("given", {**numbers, **heads})
-            source = "given"
-        self._insert(table, {**numbers, **heads}, source)
+            heads = {name: np.repeat(values, waiting.sizes) for name, values in heads.items()}
+            self.connection.register("new", {**numbers, **heads})
+            relation = "new"
+        self._insert(table, {**numbers, **heads}, relation)
         self.connection.commit()
         self.connection.begin()
 
-    def _insert(self, table: str, sent: Mapping[str, NDArray[Any]], source: str) -> None:
-        columns = (_received(name, kind, sent[name]) for name, kind in self._columns[table])
-        self.connection.execute(f"INSERT INTO {table} SELECT {', '.join(columns)} FROM {source}")
-        self.connection.unregister("given")
+    def _insert(self, table: str, values: Mapping[str, NDArray[Any]], relation: str) -> None:
+        """Insert the rows of a relation in which every column has the name of its target."""
+        columns = self._columns[table]
+        names = ", ".join(f'"{name}"' for name, _ in columns)
+        expressions = ", ".join(_expression(name, kind, values[name]) for name, kind in columns)
+        self.connection.execute(f"INSERT INTO {table} ({names}) SELECT {expressions} FROM {relation}")
+        self.connection.unregister("new")
 
 
 def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
@@ -108,24 +128,23 @@ def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
     return joined
 
 
-def _sent(columns: Iterable[tuple[str, str]], rows: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
-    """Return rows as columns that DuckDB takes."""
-    # NULL travels as NaN or as an empty text: not every DuckDB reads arrays of objects with gaps.
-    sent: dict[str, NDArray[Any]] = {}
-    for name, kind in columns:
-        given = [row.get(name) for row in rows]
+def _to_arrays(columns: Columns, rows: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
+    """Return rows as columns that DuckDB takes, in which NaN or an empty text stands for NULL."""
+    arrays: dict[str, NDArray[Any]] = {}
+    for name, kind in columns:  # not every DuckDB reads arrays of objects with gaps
+        values = [row.get(name) for row in rows]
         if kind in _NUMBERS:
-            numbers = np.array([np.nan if value is None else value for value in given])
-            sent[name] = numbers if numbers.dtype.kind == "i" else numbers.astype(float)
+            numbers = np.array([np.nan if value is None else value for value in values])
+            arrays[name] = numbers if numbers.dtype.kind == "i" else numbers.astype(float)
         else:
-            sent[name] = np.array(["" if value is None else str(value) for value in given], dtype=object)
-    return sent
+            arrays[name] = np.array(["" if value is None else str(value) for value in values], dtype=object)
+    return arrays
 
 
-def _received(name: str, kind: str, sent: NDArray[Any]) -> str:
-    """Return the expression that makes a column of what was sent."""
+def _expression(name: str, kind: str, values: NDArray[Any]) -> str:
+    """Return the expression that makes a column of its array."""
     if kind not in _NUMBERS:
         return f"nullif(\"{name}\", '')::{kind}"
-    if np.isnan(sent).any():
+    if np.isnan(values).any():
         return f'CASE WHEN NOT isnan("{name}"::DOUBLE) THEN "{name}"::{kind} END'
     return f'"{name}"::{kind}'

@@ -7,6 +7,7 @@ those that it lacks. Views hold nothing, so they are dropped and made anew where
 import hashlib
 import tomllib
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -14,10 +15,14 @@ from typing import Any
 
 import duckdb
 
+from queries.database.place import duckdb_path
+from queries.statements import statements
+
 STORAGE_VERSION = "v1.4.0"
 """Oldest DuckDB whose readers open the files; newer ones read them as well."""
 
 _FOLDER = resources.files("queries.database") / "migrations"
+_SQL = statements("queries.database", "schema")
 
 
 def create(path: Path) -> duckdb.DuckDBPyConnection:
@@ -31,7 +36,7 @@ def open_for_writing(path: Path) -> duckdb.DuckDBPyConnection:
     """Return a connection that writes a file in the storage format of the oldest supported reader."""
     # Rows come from NumPy one stretch after the other: more threads would only wait for each other.
     config: dict[str, Any] = {"storage_compatibility_version": STORAGE_VERSION, "threads": 1}
-    connection = duckdb.connect(str(path), config=config)
+    connection = duckdb.connect(duckdb_path(path), config=config)
     # It makes narrow-band lines hardly smaller, and takes an eighth of the time to write them.
     connection.execute("SET disabled_compression_methods = 'alprd'")
     return connection
@@ -48,22 +53,21 @@ def upgrade(connection: duckdb.DuckDBPyConnection) -> None:
                 connection.execute("INSERT INTO schema_version VALUES (?, ?, NULL)", [number, name])
         if present:
             _drop_views(connection)
-        connection.execute(_views())
+        connection.execute(_text("views.sql"))
         connection.execute(";".join(_view_comments(connection)))
         connection.execute("UPDATE schema_version SET form = ?", [form_id()])
         connection.commit()
     except BaseException:
-        connection.rollback()
+        with suppress(duckdb.Error):  # an error of its own would hide the first one
+            connection.rollback()
         raise
 
 
 def version(connection: duckdb.DuckDBPyConnection) -> int:
-    """Return the number of the last migration that a file has had; 0 for an empty file."""
-    there = connection.execute(
-        "SELECT 1 FROM duckdb_tables() WHERE database_name = current_database() AND table_name = "
-        "'schema_version'"
-    ).fetchone()
-    row = connection.execute("SELECT max(version) FROM schema_version").fetchone() if there else None
+    """Return the number of the last migration that a file has had; 0 for a file without any."""
+    if connection.execute(_SQL["has-versions"]).fetchone() is None:
+        return 0
+    row = connection.execute("SELECT max(version) FROM schema_version").fetchone()
     return int(row[0] or 0) if row else 0
 
 
@@ -86,8 +90,8 @@ def migrations() -> list[tuple[int, str, str]]:
 
 @cache
 def form_id() -> str:
-    """Return the sha256 of the SQL of all tables and views, and of what is said about them."""
-    texts = [*(text for _, _, text in migrations()), _views(), _text("comments.toml")]
+    """Return the sha256 of the SQL of all tables and views, and of their comments."""
+    texts = [*(text for _, _, text in migrations()), _text("views.sql"), _text("comments.toml")]
     return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 
@@ -95,34 +99,20 @@ def _text(name: str) -> str:
     return (_FOLDER / name).read_text("utf-8")
 
 
-def _views() -> str:
-    return _text("views.sql")
-
-
 def _drop_views(connection: duckdb.DuckDBPyConnection) -> None:
     """Drop every view and macro of a file; the views first, for they use macros."""
-    for (name,) in connection.execute(
-        "SELECT view_name FROM duckdb_views() WHERE NOT internal AND database_name = current_database()"
-    ).fetchall():
+    for (name,) in connection.execute(_SQL["views"]).fetchall():
         connection.execute(f'DROP VIEW "{name}"')
-    for name, kind in connection.execute(
-        "SELECT DISTINCT function_name, function_type FROM duckdb_functions() "
-        "WHERE NOT internal AND database_name = current_database() AND function_type LIKE '%macro'"
-    ).fetchall():
+    for name, kind in connection.execute(_SQL["macros"]).fetchall():
         connection.execute(f'DROP MACRO {"TABLE " if kind == "table_macro" else ""}"{name}"')
 
 
 def _view_comments(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
-    """Yield the statements that say what the views and their columns are."""
-    said: dict[str, dict[str, Any]] = tomllib.loads(_text("comments.toml"))
-    for view, column in connection.execute(
-        "SELECT view_name, NULL FROM duckdb_views() WHERE NOT internal AND database_name = "
-        "current_database() "
-        "UNION ALL SELECT table_name, column_name FROM duckdb_columns() WHERE NOT internal "
-        "AND database_name = current_database() AND table_name IN (SELECT view_name FROM duckdb_views())"
-    ).fetchall():
-        own = said["views"].get(view, {})
-        text = own.get("") if column is None else own.get(column, said["columns"].get(column))
+    """Yield the statements that comment the views and their columns."""
+    comments: dict[str, dict[str, Any]] = tomllib.loads(_text("comments.toml"))
+    for view, column in connection.execute(_SQL["columns-of-views"]).fetchall():
+        of_view = comments["views"].get(view, {})
+        text = of_view.get("") if column is None else of_view.get(column, comments["columns"].get(column))
         if text is not None:
             thing = f'VIEW "{view}"' if column is None else f'COLUMN "{view}"."{column}"'
             yield f"COMMENT ON {thing} IS '{text.replace(chr(39), chr(39) * 2)}'"

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import duckdb
 
-from queries.database import connection as database
-from queries.database.connection import DATABASE, ResultsError
+from queries.database.connection import attach
+from queries.database.place import DATABASE, ResultsError, reason
 
 
 def verify(directory: Path, repair: bool = False) -> list[str]:
@@ -22,11 +22,11 @@ def verify(directory: Path, repair: bool = False) -> list[str]:
     if not path.exists():
         return [f"{DATABASE}: is not there; it can be made from the records"]
     try:
-        with database.attach(path) as connection:
+        with attach(path) as connection:
             for (table,) in connection.execute("SELECT table_name FROM duckdb_tables()").fetchall():
                 connection.execute(f"SELECT max(hash(COLUMNS(*))) FROM results.{table}")
     except (ResultsError, duckdb.Error) as error:
-        if repair:
+        if repair and path.is_file():
             path.unlink(missing_ok=True)
-        return [f"{DATABASE}: {str(error).splitlines()[0].removeprefix(f'{path}: ')}"]
+        return [f"{DATABASE}: {reason(error).removeprefix(f'{path}: ')}"]
     return []

@@ -6,15 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from queries.database import filled
+
 NONE = -32768
-"""What stands for a level that is not there."""
-
-
-def filled(array: Any) -> NDArray[Any]:
-    """Return a column as DuckDB gives it, with NaN or 0 in place of NULL."""
-    if isinstance(array, np.ma.MaskedArray):
-        return np.asarray(array.filled(np.nan if array.dtype.kind == "f" else 0))
-    return np.asarray(array)
+"""Stands for a level that is not there."""
 
 
 def hundredths(level: Any) -> NDArray[np.int16]:

@@ -4,10 +4,8 @@ import shutil
 
 import pytest
 
-from queries.database import connection as database
-from queries.database import schema
-from queries.database.ingest import ingest
-from queries.figures import crew
+from queries import figures
+from queries.database import connect, ingest, schema
 from tests.queries.run_directory import Study
 
 
@@ -26,7 +24,7 @@ def _quick_creation(empty, monkeypatch):
         return schema.open_for_writing(path)
 
     monkeypatch.setattr(schema, "create", create)
-    monkeypatch.setattr(crew, "WORKERS", 0)
+    monkeypatch.setattr(figures, "WORKERS", 0)
 
 
 @pytest.fixture
@@ -46,5 +44,5 @@ def paper(tmp_path_factory):
 @pytest.fixture
 def results(paper):
     """Return a connection to the results of the plain study."""
-    with database.connect(paper) as connection:
+    with connect(paper) as connection:
         yield connection

@@ -2,7 +2,8 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -83,6 +84,9 @@ class Receptance:
     frequency: NDArray[Any] = _array("frequency", unit="Hz")
     distance: NDArray[Any] = _array("distance", unit="m")
     receptance: NDArray[Any] = _array("frequency", "distance", unit="m/N")
+    inside: NDArray[Any] | None = dataclasses.field(
+        default=None, metadata={"dims": ("frequency",), "unit": "", "description": "of a test"}
+    )
 
 
 def _is_axle(receiver: tuple[str, float]) -> bool:
@@ -116,8 +120,10 @@ class Study:
         name: str = "paper",
         zero_band: bool = False,
         title: str | None = None,
+        aliases: Mapping[str, str] | None = None,
+        vehicles: Sequence[Mapping[str, float]] = (VEHICLE,) * 4,
     ) -> Path:
-        """Write one run; `lost` names the approaches whose spectra fail."""
+        """Write one run; `lost` names the approaches whose spectra fail, `aliases` second names of things."""
         cases = []
         for number, soil in enumerate(soils):
             for speed in speeds:
@@ -166,6 +172,7 @@ class Study:
                         "units": units,
                     }
                 )
+                cases[-1]["labels"] = _labels(cases[-1], aliases or {})
         wavelengths = 10.0 ** (np.arange(-4, 17) / 10.0)
         records.Run.publish(
             self.directory,
@@ -188,19 +195,14 @@ class Study:
                 "cases": cases,
                 "reference": "full",
                 "parameters": {
-                    "soil": {
-                        soil: {
-                            "layers": [
-                                {**LAYER, "thickness_m": 2.0},
-                                {**LAYER, "shear_speed_m_s": 310.0 + number},
-                            ]
-                        }
-                        for number, soil in enumerate(soils)
-                    },
-                    "track": {"ballasted-paper": TRACK},
-                    "train": {"grona-taget": {"vehicles": [VEHICLE] * 4}},
-                    "unevenness": {"fra-hamid-yang-3": {"form": "fra-hamid-yang", "track_class": 3}},
+                    kind: {
+                        label: parameters
+                        for name, parameters in named.items()
+                        for label in _names(name, aliases or {})
+                    }
+                    for kind, named in _parameters(soils, vehicles).items()
                 },
+                "axles": {name: _axles(vehicles) for name in _names("grona-taget", aliases or {})},
                 "unevenness_bands": {
                     "fra-hamid-yang-3": [
                         {
@@ -307,6 +309,55 @@ class Study:
             "started": "2026-03-01T08:00:00+00:00",
             "finished": "2026-03-01T08:00:01+00:00",
         }
+
+
+def _parameters(soils: Sequence[str], vehicles: Sequence[Mapping[str, float]]) -> dict[str, dict[str, Any]]:
+    """Return what the names of the study stand for."""
+    soil = {
+        name: {
+            "layers": [{**LAYER, "thickness_m": 2.0}, {**LAYER, "shear_speed_m_s": 310.0 + number}],
+        }
+        for number, name in enumerate(soils)
+    }
+    return {
+        "soil": soil,
+        "track": {"ballasted-paper": TRACK},
+        "train": {"grona-taget": {"vehicles": list(vehicles)}},
+        "unevenness": {"fra-hamid-yang-3": {"form": "fra-hamid-yang", "track_class": 3}},
+    }
+
+
+def _names(name: str, aliases: Mapping[str, str]) -> list[str]:
+    return [name, *([aliases[name]] if name in aliases else [])]
+
+
+def _labels(case: Mapping[str, Any], aliases: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Return every combination of the names of a case."""
+    kinds = ("soil", "track", "train", "unevenness")
+    return [
+        {**dict(zip(kinds, names, strict=True)), "speed_kmh": case["speed_kmh"]}
+        for names in product(*(_names(case[kind], aliases) for kind in kinds))
+    ]
+
+
+def _axles(vehicles: Sequence[Mapping[str, float]]) -> list[dict[str, Any]]:
+    """Return the axles as the engine does, the leading one first."""
+    axles: list[dict[str, Any]] = []
+    front = 0.0
+    for number, vehicle in enumerate(vehicles, 1):
+        for bogie in (-1, 1):
+            for axle in (-1, 1):
+                place = front + vehicle["length_m"] / 2
+                place += bogie * vehicle["bogie_spacing_m"] / 2 + axle * vehicle["axle_spacing_m"] / 2
+                axles.append(
+                    {"vehicle": number, "behind_first_axle_m": place, "axle_load_n": vehicle["axle_load_n"]}
+                )
+        front += vehicle["length_m"]
+    first = axles[0]["behind_first_axle_m"]
+    return [
+        {**axle, "receiver": f"axle-{number}", "behind_first_axle_m": axle["behind_first_axle_m"] - first}
+        for number, axle in enumerate(axles, 1)
+    ]
 
 
 def _receptance(soil: int, speed_kmh: float, size: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:

@@ -12,7 +12,7 @@ import duckdb
 import psutil
 import pytest
 
-from queries.database.ingest import ingest
+from queries.database import ingest
 from railvib.parameters.units import KMH
 from sweep import plan
 from sweep.running import scheduler

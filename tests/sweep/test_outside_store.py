@@ -11,8 +11,7 @@ from obstore.store import S3Store
 from zarr.storage import ObjectStore
 
 import sweep
-from queries.database import connection as database
-from queries.database import ingest
+from queries.database import connect, ingest
 from sweep import plan
 from sweep.running import scheduler, task
 from sweep.running.task import Place
@@ -80,8 +79,8 @@ def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, m
     planned = invoke("plan", "other.toml", "--store", address).output
     assert "tasks       2 (2 spectra)" in planned
 
-    ingest.ingest(out)
-    with database.connect(out) as connection:
+    ingest(out)
+    with connect(out) as connection:
         assert connection.execute(
             "SELECT count(*) > 0, count(*) = count(error_db) FROM accuracy"
         ).fetchall() == [(True, True)]

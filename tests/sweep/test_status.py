@@ -122,7 +122,7 @@ def test_damage_of_one_result_is_not_that_of_others_in_its_group(copy):
 
 @pytest.mark.parametrize("how", ["deleted", "torn"])
 def test_the_database_is_derived(copy, monkeypatch, how):
-    from queries.database.ingest import ingest
+    from queries.database import ingest
 
     ingest(copy)
     monkeypatch.setattr("sweep.hooks.VERIFY", "railvib.verify")

@@ -4,6 +4,9 @@
 CREATE MACRO decibel(ratio) AS CASE WHEN isfinite(ratio) AND ratio > 0 THEN 10 * log10(ratio) END;
 COMMENT ON MACRO decibel IS 'Ten times the decimal logarithm of a ratio of mean squares, dB; NULL unless positive and finite';
 
+CREATE MACRO place(quantity, receiver) AS CASE WHEN quantity = 'wheel_rail_force' THEN 'force' ELSE receiver END;
+COMMENT ON MACRO place IS 'What may be averaged: force (of all axles), rail or ground (at all offsets); two places are never pooled';
+
 CREATE VIEW current_cases AS
 SELECT run_cases.case_id, arg_max(runs.run_id, runs.sequence) AS run_id
 FROM run_cases JOIN runs USING (run_id) GROUP BY run_cases.case_id;
@@ -13,6 +16,11 @@ SELECT run_id, source, case_id, approach, unit_id, scope FROM case_units JOIN ru
 
 CREATE VIEW current_units AS
 SELECT run_id, source, case_id, approach, unit_id, scope FROM run_units JOIN current_cases USING (run_id, case_id);
+
+CREATE VIEW named_cases AS
+SELECT cases.rowid AS place, case_id, soil, track, train, unevenness, speed_kmh, train_id
+FROM cases JOIN current_cases USING (case_id) JOIN runs USING (run_id)
+QUALIFY row_number() OVER (PARTITION BY soil, track, train, unevenness, speed_kmh ORDER BY sequence DESC, cases.rowid DESC) = 1;
 
 CREATE VIEW missing AS
 SELECT current_units.run_id, case_id, soil, track, train, unevenness, speed_kmh, approach, scope, current_units.unit_id, failures.kind, failures.error
@@ -38,15 +46,18 @@ LEFT JOIN track_layers AS ballast ON ballast.track_id = cases.track_id AND balla
 LEFT JOIN trains USING (train_id) LEFT JOIN loads USING (train_id)
 LEFT JOIN unevenness USING (unevenness_id);
 
-CREATE VIEW run_levels AS
-SELECT run_units.run_id, bands.case_id, soil, track, train, unevenness, speed_kmh, bands.approach, contribution, quantity,
-    receiver, offset_m, averaging, band_hz, mean_square, extrapolated_share,
+-- Names come last: a case that has two has a row for each in every view that shows names.
+CREATE VIEW case_levels AS
+SELECT run_id, case_id, approach, contribution, quantity, receiver, offset_m, averaging, band_hz, mean_square, extrapolated_share,
     CASE quantity WHEN 'wheel_rail_force' THEN 1.0 ELSE 1e-9 END AS reference_value,
-    decibel(CASE quantity WHEN 'wheel_rail_force' THEN mean_square ELSE mean_square * 1e18 END) AS level_db
-FROM bands
-JOIN run_units ON run_units.source = bands.source AND run_units.unit_id = bands.unit_id
-    AND run_units.case_id = bands.case_id AND run_units.approach = bands.approach
-JOIN cases ON cases.case_id = bands.case_id;
+    CASE WHEN peak_mean_square IS NULL OR mean_square >= 1e-20 * peak_mean_square
+        THEN decibel(CASE quantity WHEN 'wheel_rail_force' THEN mean_square ELSE mean_square * 1e18 END) END AS level_db
+FROM (SELECT * EXCLUDE run_id FROM bands) JOIN run_units USING (source, unit_id, case_id, approach);
+
+CREATE VIEW run_levels AS
+SELECT run_id, case_id, soil, track, train, unevenness, speed_kmh, approach, contribution, quantity, receiver, offset_m, averaging,
+    band_hz, mean_square, extrapolated_share, reference_value, level_db
+FROM case_levels JOIN cases USING (case_id);
 
 CREATE VIEW levels AS
 SELECT run_levels.* FROM run_levels SEMI JOIN current_cases USING (run_id, case_id);
@@ -56,17 +67,17 @@ SELECT case_id, approach, contribution, quantity, receiver, offset_m, averaging,
 FROM psd_lines JOIN series USING (series_id);
 
 CREATE VIEW run_accuracy AS
-SELECT approach.run_id, approach.case_id, approach.soil, approach.track, approach.train, approach.unevenness, approach.speed_kmh,
-    approach.approach, runs.reference, approach.contribution, approach.quantity, approach.receiver, approach.offset_m,
-    approach.band_hz, approach.level_db, reference.level_db AS reference_level_db,
-    decibel(approach.mean_square / reference.mean_square) AS error_db, approach.extrapolated_share
-FROM run_levels AS approach
+SELECT approach.run_id, approach.case_id, soil, track, train, unevenness, speed_kmh, approach.approach, runs.reference, approach.contribution,
+    approach.quantity, approach.receiver, approach.offset_m, approach.band_hz, approach.level_db,
+    reference.level_db AS reference_level_db, decibel(approach.mean_square / reference.mean_square) AS error_db, approach.extrapolated_share
+FROM case_levels AS approach
 JOIN runs ON runs.run_id = approach.run_id
-JOIN run_levels AS reference ON reference.approach = runs.reference AND reference.run_id = approach.run_id
+JOIN case_levels AS reference ON reference.approach = runs.reference AND reference.run_id = approach.run_id
     AND reference.case_id = approach.case_id AND reference.contribution = approach.contribution
     AND reference.quantity = approach.quantity AND reference.receiver = approach.receiver
     AND reference.offset_m IS NOT DISTINCT FROM approach.offset_m AND reference.averaging = approach.averaging
     AND reference.band_hz = approach.band_hz
+JOIN cases ON cases.case_id = approach.case_id
 WHERE approach.approach <> runs.reference AND approach.averaging = 'line'
     AND approach.level_db IS NOT NULL AND reference.level_db IS NOT NULL;
 
@@ -115,29 +126,29 @@ CREATE VIEW runtime AS
 SELECT run_runtime.* FROM run_runtime SEMI JOIN current_cases USING (run_id, case_id);
 
 CREATE VIEW tradeoff AS
-SELECT runtime.run_id, runtime.case_id, runtime.soil, runtime.track, runtime.train, runtime.unevenness, runtime.speed_kmh,
-    runtime.approach, runtime.reference, contribution, quantity, avg(error_db) AS mean_error_db,
-    avg(abs(error_db)) AS mean_absolute_error_db, max(abs(error_db)) AS largest_absolute_error_db,
-    any_value(wall_s) AS wall_s, any_value(cpu_s) AS cpu_s, any_value(evaluations) AS evaluations,
-    any_value(marginal_speed_cpu_s) AS marginal_speed_cpu_s, any_value(speed_up) AS speed_up
-FROM accuracy JOIN runtime ON runtime.run_id = accuracy.run_id AND runtime.case_id = accuracy.case_id AND runtime.approach = accuracy.approach
+SELECT run_id, case_id, soil, track, train, unevenness, speed_kmh, approach, runtime.reference, contribution, quantity,
+    place(quantity, receiver) AS place, avg(error_db) AS mean_error_db, avg(abs(error_db)) AS mean_absolute_error_db,
+    max(abs(error_db)) AS largest_absolute_error_db, any_value(wall_s) AS wall_s, any_value(cpu_s) AS cpu_s,
+    any_value(evaluations) AS evaluations, any_value(marginal_speed_cpu_s) AS marginal_speed_cpu_s, any_value(speed_up) AS speed_up
+FROM accuracy JOIN runtime USING (run_id, case_id, soil, track, train, unevenness, speed_kmh, approach)
 GROUP BY ALL;
 
 CREATE MACRO compare(a, b) AS TABLE
-SELECT first.run_id, first.case_id, first.soil, first.track, first.train, first.unevenness, first.speed_kmh, first.contribution,
-    first.quantity, first.receiver, first.offset_m, first.averaging, first.band_hz, first.level_db AS a_level_db,
-    second.level_db AS b_level_db, decibel(first.mean_square / second.mean_square) AS difference_db
-FROM levels AS first
-JOIN levels AS second ON second.run_id = first.run_id AND second.case_id = first.case_id AND second.contribution = first.contribution
+SELECT first.run_id, first.case_id, soil, track, train, unevenness, speed_kmh, first.contribution, first.quantity, first.receiver,
+    first.offset_m, first.averaging, first.band_hz, first.level_db AS a_level_db, second.level_db AS b_level_db,
+    CASE WHEN first.level_db + second.level_db IS NOT NULL THEN decibel(first.mean_square / second.mean_square) END AS difference_db
+FROM (FROM case_levels SEMI JOIN current_cases USING (run_id, case_id)) AS first
+JOIN case_levels AS second ON second.run_id = first.run_id AND second.case_id = first.case_id AND second.contribution = first.contribution
     AND second.quantity = first.quantity AND second.receiver = first.receiver
     AND second.offset_m IS NOT DISTINCT FROM first.offset_m AND second.averaging = first.averaging AND second.band_hz = first.band_hz
+JOIN cases ON cases.case_id = first.case_id
 WHERE first.approach = a AND second.approach = b;
 COMMENT ON MACRO TABLE compare IS 'Levels of approach a beside those of approach b per case, receiver and band; difference_db is a minus b, dB';
 
 CREATE MACRO compare_runs(a, b) AS TABLE
 SELECT first.soil, first.track, first.train, first.unevenness, first.speed_kmh, first.approach, first.contribution,
     first.quantity, first.receiver, first.offset_m, first.averaging, first.band_hz, first.level_db AS a_level_db,
-    second.level_db AS b_level_db, decibel(first.mean_square / second.mean_square) AS difference_db
+    second.level_db AS b_level_db, CASE WHEN first.level_db + second.level_db IS NOT NULL THEN decibel(first.mean_square / second.mean_square) END AS difference_db
 FROM run_levels AS first
 JOIN run_levels AS second ON second.soil = first.soil AND second.track = first.track AND second.train = first.train
     AND second.unevenness = first.unevenness AND second.speed_kmh = first.speed_kmh AND second.approach = first.approach

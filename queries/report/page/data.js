@@ -22,6 +22,18 @@ function levels(caseNumber, approach, contribution, receiver) {
   return Array.from(packedLevels.subarray(start, start + bands), (value) => (value === NONE ? null : value / 100));
 }
 
+/** Return of every band whether more than half of the unevenness behind it is extrapolated. */
+function extrapolated(caseNumber) {
+  const numbers = new Set(page.extrapolated[caseNumber]);
+  return page.bands.map((_, band) => numbers.has(band));
+}
+
+/** Return what may be averaged with a receiver: all axles, the rail, or the ground at all offsets. */
+function placeOf(receiver) {
+  const { quantity, receiver: name } = page.receivers[receiver] ?? {};
+  return quantity === "wheel_rail_force" ? "force" : name;
+}
+
 /** Return frequency and level of a narrow-band spectrum, or null: its lines, or the extremes of its bins in turn. */
 function spectrum(caseNumber, approach, contribution, receiver) {
   const spectra = spectraOfCase.get(caseNumber);

@@ -26,8 +26,8 @@ const figures = {
     const traces = [];
     let compared = false;
     for (const approach of state.approaches) {
-      const own = levels(state.case, approach, state.contribution, state.receiver);
-      if (some(own)) traces.push(curve(approach, page.bands, shifted(own, shift(state)), { hovertemplate: "%{y:.1f} dB" }));
+      const level = levels(state.case, approach, state.contribution, state.receiver);
+      if (some(level)) traces.push(levelCurve(approach, state, state.contribution, shifted(level, shift(state)), { hovertemplate: "%{y:.1f} dB" }));
       const error = approach === reference ? [] : errors(state.case, approach, state.contribution, state.receiver);
       if (some(error)) {
         traces.push(curve(approach, page.bands, error, { yaxis: "y2", showlegend: false, hovertemplate: "%{y:+.1f} dB" }));
@@ -46,17 +46,17 @@ const figures = {
     const traces = [];
     let peak = -Infinity;
     for (const approach of state.approaches) {
-      const own = spectrum(state.case, approach, state.contribution, state.receiver);
-      if (!own) continue;
-      const level = shifted(own.level, shift(state));
+      const lines = spectrum(state.case, approach, state.contribution, state.receiver);
+      if (!lines) continue;
+      const level = shifted(lines.level, shift(state));
       peak = level.reduce((most, value) => Math.max(most, value), peak);
-      traces.push(curve(approach, own.frequency, level, { mode: "lines", opacity: approach === reference ? 0.6 : 1,
+      traces.push(curve(approach, lines.frequency, level, { mode: "lines", opacity: approach === reference ? 0.6 : 1,
         line: { color: page.approaches[approach].colour, width: approach === reference ? 1 : 1.4 },
         hovertemplate: "%{x:.2f} Hz: %{y:.1f} dB" }));
     }
     if (!traces.length) return nothing("no narrow-band lines of this receiver, contribution and case in this page");
-    const { shapes, notes } = passing(state);
-    return { traces, layout: layout(400, { xaxis: bandAxis("frequency [Hz]"), shapes, annotations: notes,
+    const { shapes, notes, note } = passing(state);
+    return { note, traces, layout: layout(400, { xaxis: bandAxis("frequency [Hz]"), shapes, annotations: notes,
       yaxis: axis(`density [dB re (${state.decibel.label})²/Hz]`, { range: [peak - 75, peak + 4] }) }) };
   },
 
@@ -67,8 +67,10 @@ const figures = {
   },
 
   places(state) {
-    const receivers = receiversOf("velocity", () => true).slice(0, 12);
-    return small(state, receivers, receivers.map((number) => page.receivers[number].label), 3, 240, "velocity");
+    const every = receiversOf("velocity", () => true);
+    const receivers = sample(every, 12);
+    const labels = receivers.map((number) => page.receivers[number].label);
+    return { ...small(state, receivers, labels, 3, 240, "velocity"), note: shownOf(receivers, every, "receivers") };
   },
 
   distance(state) {
@@ -115,17 +117,17 @@ const figures = {
   },
 
   cost(state) {
-    const receivers = receiversOf(page.receivers[state.receiver]?.quantity, () => true);
+    const receivers = page.receivers.map((_, number) => number).filter((number) => placeOf(number) === placeOf(state.receiver));
     const traces = [];
     for (const approach of state.approaches) {
       const points = [];
       for (const [number, each, whole, cpu, marginal] of page.costs) {
         const cost = state.cost === "whole" ? cpu : marginal;
         if (each !== approach || !whole || !(cost > 0)) continue;
-        const found = approach === reference ? [0] :
+        const sizes = approach === reference ? [0] :
           receivers.flatMap((receiver) => errors(number, approach, state.contribution, receiver)).filter((value) => value !== null);
-        if (!found.length) continue;
-        const mean = found.reduce((sum, value) => sum + Math.abs(value), 0) / found.length;
+        if (!sizes.length) continue;
+        const mean = sizes.reduce((sum, value) => sum + Math.abs(value), 0) / sizes.length;
         points.push({ cost, mean, number });
       }
       if (!points.length) continue;
@@ -183,9 +185,9 @@ function small(state, receivers, titles, most, height, quantity) {
   const traces = [];
   receivers.forEach((receiver, at) => {
     for (const approach of state.approaches) {
-      const own = levels(state.case, approach, contribution, receiver);
+      const level = levels(state.case, approach, contribution, receiver);
       const n = at ? at + 1 : "";
-      if (some(own)) traces.push(curve(approach, page.bands, shifted(own, shift({ decibel })), { xaxis: `x${n}`, yaxis: `y${n}`,
+      if (some(level)) traces.push(levelCurve(approach, state, contribution, shifted(level, shift({ decibel })), { xaxis: `x${n}`, yaxis: `y${n}`,
         hovertemplate: "%{y:.1f} dB", showlegend: !traces.some((trace) => trace.legendgroup === page.approaches[approach].name) }));
     }
   });
@@ -196,23 +198,39 @@ function small(state, receivers, titles, most, height, quantity) {
     [bandAxis(bottom ? "one-third octave [Hz]" : ""), axis(left ? title : "", at ? { matches: "y" } : {})]) };
 }
 
-/** Lines at the frequencies at which vehicles and axles pass a fixed point. */
+/** Return at most so many items, evenly spread. */
+function sample(items, most) {
+  if (items.length <= most) return items;
+  return Array.from({ length: most }, (_, place) => items[Math.round(place * (items.length - 1) / (most - 1))]);
+}
+
+/** Return how many of some things are shown, or nothing if all are. */
+function shownOf(shown, every, what) {
+  return shown.length < every.length ? `${shown.length} of ${every.length} ${what} are shown.` : "";
+}
+
+const PASSING = [["#b9a7c9", "solid"], ["#8fb5a8", "dash"], ["#d0a88a", "dashdot"]];
+
+/** Lines at the frequencies at which vehicles of each length, and axles, pass a fixed point. */
 function passing(state) {
-  const train = page.trains[page.axes.train[page.cases[state.case]?.[2]]];
+  const every = page.trains[page.axes.train[page.cases[state.case]?.[2]]] ?? [];
   const speed = page.axes.speed_kmh[page.cases[state.case]?.[4]] / 3.6;
+  const kinds = every.slice(0, PASSING.length);
+  const marks = kinds.map(({ length, count }, kind) => [length, 8, ...PASSING[kind],
+    `v/${length} m, ${count} vehicle${count > 1 ? "s" : ""}`]);
+  if (kinds.length) marks.push([kinds[0].axles, 4, "#b9a7c9", "dot", "v/axles"]);
   const shapes = [], notes = [];
-  if (!train) return { shapes, notes };
   const lowest = page.bands[0] * 10 ** -0.05, highest = page.bands[page.bands.length - 1] * 10 ** 0.05;
-  for (const [distance, count, dash, label] of [[train.vehicle, 8, "solid", "v/vehicle"], [train.axles, 4, "dot", "v/axles"]]) {
-    if (!distance) continue;
-    for (let n = 1; n <= count; n += 1) {
+  marks.forEach(([distance, multiples, color, dash, label], line) => {
+    if (!distance) return;
+    for (let n = 1; n <= multiples; n += 1) {
       const frequency = n * speed / distance;
       if (frequency < lowest || frequency > highest) continue;
       shapes.push({ type: "line", x0: frequency, x1: frequency, y0: 0, y1: 1, yref: "paper", layer: "below",
-        line: { color: "#b9a7c9", width: 1.2, dash } });
-      if (n === 1) notes.push({ x: Math.log10(frequency), y: 0.01, yref: "paper", xanchor: "left", yanchor: "bottom", showarrow: false,
-        text: `${label} = ${frequency.toPrecision(3)} Hz`, font: { size: 12, color: QUIET }, bgcolor: "rgba(255,255,255,0.85)" });
+        line: { color, width: 1.2, dash } });
+      if (n === 1) notes.push({ x: Math.log10(frequency), y: 0.01 + 0.06 * line, yref: "paper", xanchor: "left", yanchor: "bottom",
+        showarrow: false, text: `${label} = ${frequency.toPrecision(3)} Hz`, font: { size: 12, color: QUIET }, bgcolor: "rgba(255,255,255,0.85)" });
     }
-  }
-  return { shapes, notes };
+  });
+  return { shapes, notes, note: shownOf(kinds, every, "lengths of vehicles") };
 }

@@ -30,8 +30,8 @@ function offer(name, choices, preset) {
 
 function offerOfQuantity() {
   const quantity = select("quantity").value;
-  const own = receiversOf(quantity, () => true);
-  offer("receiver", own.map((number) => [number, page.receivers[number].label]), own[0]);
+  const receivers = receiversOf(quantity, () => true);
+  offer("receiver", receivers.map((number) => [number, page.receivers[number].label]), receivers[0]);
   offer("decibel", (DECIBELS[quantity] ?? []).map(([value, , text]) => [value, text]));
   const there = page.contributions.map((name, number) => [number, name]).filter(([number]) =>
     quantity === "velocity" || number === 0);
@@ -80,10 +80,11 @@ function draw(names = Object.keys(figures)) {
   document.getElementById("shown").textContent = about;
   for (const name of names) {
     const element = document.getElementById(`plot-${name}`);
-    const made = state.case < 0 ? nothing("this combination is not in the study") : figures[name](state);
+    const figure = state.case < 0 ? nothing("this combination is not in the study") : figures[name](state);
     const title = document.querySelector(`#figure-${name} h3`).textContent;
     element.setAttribute("aria-label", `${title}. ${about} Numbers are in the tables below.`);
-    Plotly.react(element, made.traces, made.layout, CONFIG);
+    document.getElementById(`note-${name}`).textContent = figure.note ?? "";
+    Plotly.react(element, figure.traces, figure.layout, CONFIG);
   }
 }
 

@@ -45,6 +45,15 @@ function curve(approach, x, y, more = {}) {
   };
 }
 
+/** A line of levels over bands, with hollow markers where unevenness is mostly extrapolated. */
+function levelCurve(approach, state, contribution, values, more = {}) {
+  const style = page.approaches[approach];
+  const hollow = page.contributions[contribution] === "quasi-static" ? [] : extrapolated(state.case);
+  const marker = { symbol: style.symbol, size: style.size, line: { color: style.colour, width: 1.4 },
+    color: page.bands.map((_, band) => (hollow[band] ? "#fff" : style.colour)) };
+  return curve(approach, page.bands, values, { marker, ...more });
+}
+
 /** A note in place of a plot that has nothing to show. */
 function nothing(text) {
   const hidden = { visible: false };

@@ -6,21 +6,19 @@ import pytest
 from click.testing import CliRunner
 
 from queries import cli
-from queries.answers import compare
-from queries.answers.compare import Pair
-from queries.answers.summary import missing, summary, verdicts
-from queries.answers.table import Table, band, decibels, number
-from queries.database import connection as database
-from queries.database.connection import ResultsError
-from queries.database.ingest import ingest
-from tests.queries.run_directory import BANDS
+from queries.answers.comparison import Pair
+from queries.answers.errors import error_table, errors
+from queries.answers.summary import extrapolated, missing, summary, verdicts
+from queries.answers.table import band, decibels, number
+from queries.database import DATABASE, ResultsError, connect, ingest
+from tests.queries.run_directory import BANDS, RECEIVERS, Study
 
 PAIR = Pair.of_approaches("moving-roughness", "full")
 
 
 def change(directory, statement):
     """Change a database that is otherwise only read."""
-    with duckdb.connect(str(directory / database.DATABASE)) as connection:
+    with duckdb.connect(str(directory / DATABASE)) as connection:
         connection.execute(statement)
 
 
@@ -35,7 +33,7 @@ def run(study):
 
 
 def test_errors_are_grouped_in_the_order_of_study_and_distance(results):
-    found = compare.errors(results, PAIR)
+    found = errors(results, PAIR)
     places = ["force, all axles", "rail", "ground at 0 m", "ground at 8 m", "ground at 32 m"]
     assert [error.group for error in found] == [
         (soil, 150.0, place) for soil in ("horstwalde", "greby") for place in places
@@ -53,10 +51,8 @@ def test_mean_size_and_largest_error_are_those_of_the_rows(run):
             "receiver = 'rail' "
             f"AND contribution = 'dynamic' AND approach = 'moving-roughness' AND abs(band_hz - {at}) < 1e-9",
         )
-    with database.connect(run) as connection:
-        (error,) = [
-            error for error in compare.errors(connection, PAIR) if error.group == ("greby", 150.0, "rail")
-        ]
+    with connect(run) as connection:
+        (error,) = [error for error in errors(connection, PAIR) if error.group == ("greby", 150.0, "rail")]
     assert error.mean == pytest.approx((19 * 1.0 + 11.0 - 19.0) / 21)
     assert error.mean_absolute == pytest.approx((19 * 1.0 + 11.0 + 19.0) / 21)
     assert error.largest == pytest.approx(-19.0)
@@ -106,7 +102,7 @@ def test_compare_refuses_an_unknown_approach(run):
 def test_compare_makes_the_database_that_is_not_there_yet(study):
     directory = study.write()
     assert shown(directory).exit_code == 0
-    assert (directory / database.DATABASE).is_file()
+    assert (directory / DATABASE).is_file()
 
 
 def test_another_contribution_can_be_compared(run):
@@ -133,13 +129,13 @@ def test_many_cases_are_shown_together(study):
 
 
 def test_errors_by_band(results):
-    found = compare.errors(results, PAIR, by=("band",))
+    found = errors(results, PAIR, by=("band",))
     np.testing.assert_allclose([error.group[0] for error in found], BANDS)
 
 
 def test_an_unknown_grouping_is_refused(results):
     with pytest.raises(ResultsError, match="cannot be grouped"):
-        compare.errors(results, PAIR, by=("soil; DROP TABLE cases",))
+        errors(results, PAIR, by=("soil; DROP TABLE cases",))
 
 
 def test_the_summary_states_error_and_cost(results):
@@ -159,7 +155,7 @@ def test_the_glance_says_from_which_band_up_an_approach_may_be_trusted(run):
         "UPDATE bands SET mean_square = mean_square * 10 ** 0.4 WHERE receiver = 'rail' "
         "AND approach = 'moving-roughness' AND band_hz < 7.9",
     )
-    with database.connect(run) as connection:
+    with connect(run) as connection:
         rows = [dict(zip(range(10), row, strict=False)) for row in verdicts(connection).rows]
     assert [row[0] for row in rows] == ["moving roughness", "moving roughness, uncorrelated axles"]
     assert [rows[0][n] for n in range(1, 7)] == ["1.0", "1 Hz", "2.7", "8 Hz", "1.0", "1 Hz"]
@@ -169,7 +165,7 @@ def test_the_glance_says_from_which_band_up_an_approach_may_be_trusted(run):
 def test_what_is_missing_is_said(study):
     directory = study.write(lost=("moving-roughness",))
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         assert missing(connection) == [
             "Missing: moving-roughness lacks results in 2 of 2 cases (ArithmeticError: no <b>solution</b>)."
         ]
@@ -192,8 +188,8 @@ def test_a_reference_that_is_missing_in_some_cases_is_said(study):
         lost=("full",),
     )
     ingest(directory)
-    with database.connect(directory) as connection:
-        table = compare.error_table(connection, PAIR)
+    with connect(directory) as connection:
+        table = error_table(connection, PAIR)
     assert "Only 2 of 3 cases have results of both." in table.note
 
 
@@ -222,8 +218,94 @@ def test_decibels_carry_their_sign():
     assert [decibels(value) for value in (1.04, -0.26, -0.04, None)] == ["+1.0", "-0.3", "+0.0", "–"]
 
 
-def test_a_table_escapes_its_cells():
-    page = Table("<title>", ("<head>",), (("<script>alert(1)</script>",),), note="<note>").html()
-    assert "<script>" not in page
-    assert "&lt;script&gt;" in page
-    assert page.count("&lt;") == 5
+PLACES = {"force": 7.0, "rail": 5.0, "ground": 2.0}
+"""Errors of the places at 8 Hz in the test below, dB."""
+
+
+@pytest.fixture
+def unlike(run):
+    """Return results in which the error at 8 Hz differs between force, rail and ground."""
+    for place, error in PLACES.items():
+        change(
+            run,
+            f"UPDATE bands SET mean_square = mean_square * 10 ** {(error - 1.0) / 10} WHERE contribution = "
+            f"'dynamic' AND approach = 'moving-roughness' AND abs(band_hz - {BANDS[9]}) < 1e-9 AND "
+            f"place(quantity, receiver) = '{place}'",
+        )
+    return run
+
+
+@pytest.mark.parametrize("by", ["band", "soil,band", "speed,band", "track,train,band"])
+def test_quantities_and_places_are_never_pooled(unlike, by):
+    output = shown(unlike, "moving-roughness", "--by", by).output
+    assert (
+        "Error of moving-roughness against full, 150 km/h: ground velocity at all offsets, dynamic" in output
+    )
+    rows = [line.split() for line in output.splitlines() if "+2.0" in line]
+    assert all(row[-4:] == ["+2.0", "2.0", "+2.0", "8"] for row in rows)
+    assert len(rows) == (2 if "soil" in by else 1)
+    for other in ("+7.0", "+5.0", "+4.", "+3."):
+        assert other not in output.partition("Cost per case")[0]
+
+
+@pytest.mark.parametrize(
+    ("receivers", "title", "error"),
+    [
+        ("rail", "rail velocity", "+5.0"),
+        ("force", "wheel-rail force of all axles", "+7.0"),
+        ("ground", "ground velocity at all offsets", "+2.0"),
+        ("velocity", "velocity of rail and ground together", "+2.8"),  # (5 + 3 · 2) / 4
+    ],
+)
+def test_other_receivers_are_averaged_where_they_are_asked_for(unlike, receivers, title, error):
+    output = shown(unlike, "moving-roughness", "--by", "band", "--receivers", receivers).output
+    assert f": {title}, dynamic" in output
+    (row,) = [line.split() for line in output.splitlines() if line.split()[:1] == ["8"]]
+    assert row[1] == error
+
+
+def test_receivers_that_stand_apart_are_all_shown(unlike):
+    output = shown(unlike, "moving-roughness", "--by", "receiver,band").output
+    assert ": every receiver, dynamic" in output
+    for error in ("+2.0", "+5.0", "+7.0"):
+        assert error in output
+
+
+def test_without_the_ground_the_rail_stands_for_a_case(tmp_path):
+    receivers = [each for each in RECEIVERS if each[0] != "ground"]
+    directory = Study(tmp_path / "run", receivers).write(lines=10)
+    assert ": rail velocity, dynamic" in shown(directory, "--by", "band").output
+
+
+def test_approaches_of_two_runs_are_never_pooled(unlike, tmp_path):
+    other = Study(tmp_path / "other").write(lines=10, run_id="run-2")
+    output = shown(unlike, "--with", str(other), "--by", "band").output
+    rows = {
+        tuple(line.split()[:2]): line.split()[2] for line in output.splitlines() if len(line.split()) == 6
+    }
+    assert rows["moving-roughness", "8"] == "+1.0"  # its error has become 1 dB more on the ground
+    assert rows["full", "8"] == "+0.0"
+
+
+def test_the_printed_summary_names_bands_on_extrapolated_unevenness(run):
+    (sentence,) = [line for line in shown(run).output.splitlines() if line.startswith("Extrapolated")]
+    assert sentence == (
+        "Extrapolated: more than half of the unevenness fra-hamid-yang-3 lies outside its range of validity "
+        "in 10 of 21 bands (12.5 to 100 Hz) at 150 km/h."
+    )
+
+
+def test_bands_that_do_not_follow_one_another_are_named_apart(run):
+    change(
+        run,
+        "UPDATE bands SET extrapolated_share = CASE WHEN band_hz < 1.5 OR band_hz > 99 THEN 1 ELSE 0.5 END",
+    )
+    with connect(run) as connection:
+        (sentence,) = extrapolated(connection)
+    assert "in 3 of 21 bands (1 to 1.25, 100 Hz)" in sentence
+
+
+def test_unevenness_within_its_range_is_not_mentioned(run):
+    change(run, "UPDATE bands SET extrapolated_share = NULL")
+    with connect(run) as connection:
+        assert extrapolated(connection) == []

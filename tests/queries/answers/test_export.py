@@ -7,9 +7,8 @@ import pytest
 from click.testing import CliRunner
 
 from queries import cli
-from queries.answers import export
-from queries.database import connection as database
-from queries.database.ingest import ingest
+from queries.answers.export import PARTITIONS, SINGLE
+from queries.database import connect, ingest
 
 
 @pytest.fixture
@@ -24,13 +23,9 @@ def exported(study, tmp_path):
 
 def test_every_row_is_in_the_files(exported):
     directory, folder = exported
-    with database.connect(directory) as connection, duckdb.connect(":memory:") as reader:
-        for table in (*export.PARTITIONS, *export.SINGLE):
-            path = (
-                folder / table / "**" / "*.parquet"
-                if table in export.PARTITIONS
-                else folder / f"{table}.parquet"
-            )
+    with connect(directory) as connection, duckdb.connect(":memory:") as reader:
+        for table in (*PARTITIONS, *SINGLE):
+            path = folder / table / "**" / "*.parquet" if table in PARTITIONS else folder / f"{table}.parquet"
             columns = [column[0] for column in connection.execute(f"FROM {table} LIMIT 0").description]
             names = ", ".join(f'"{name}"' for name in columns)
             found = reader.execute(
@@ -49,7 +44,7 @@ def test_every_column_is_explained(exported):
     _, folder = exported
     with (folder / "columns.csv").open() as file:
         found = list(csv.DictReader(file))
-    assert {row["table"] for row in found} == {*export.PARTITIONS, *export.SINGLE}
+    assert {row["table"] for row in found} == {*PARTITIONS, *SINGLE}
     assert all(row["meaning"] for row in found)
 
 

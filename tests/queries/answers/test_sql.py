@@ -2,6 +2,7 @@
 
 import csv
 import io
+import resource
 
 import duckdb
 import pytest
@@ -9,8 +10,7 @@ from click.testing import CliRunner
 
 from queries import cli
 from queries.answers.sql import query
-from queries.database import connection
-from queries.database.connection import ResultsError
+from queries.database import DATABASE, ResultsError
 
 
 def ask(directory, *arguments):
@@ -127,14 +127,14 @@ WRITING = [
 def test_everything_else_is_refused_in_one_line(paper, statement, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     a_local_variable = {"x": [1]}  # noqa: F841  (DuckDB reads Python variables unless told not to)
-    before = (paper / connection.DATABASE).read_bytes()
+    before = (paper / DATABASE).read_bytes()
     done = ask(paper, statement)
     assert done.exit_code == 2
     assert done.stdout == ""
     assert len(done.stderr.strip().splitlines()) == 1
     assert done.stderr.startswith("Error: ")
     assert list(tmp_path.iterdir()) == []
-    assert (paper / connection.DATABASE).read_bytes() == before
+    assert (paper / DATABASE).read_bytes() == before
 
 
 @pytest.mark.parametrize(
@@ -229,3 +229,47 @@ def test_a_directory_that_is_no_run_is_refused(tmp_path):
     done = ask(tmp_path, "SELECT 1")
     assert done.exit_code == 2
     assert "run.json" in done.stderr
+
+
+LIMITS = {
+    "time": ("SELECT count(*) FROM range(10000000) a, range(10000000) b", ["--time-limit", "0.5"], "0.5 s"),
+    "time of a recursion": (
+        "WITH RECURSIVE a(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM a) SELECT max(n) FROM a",
+        ["--time-limit", "0.5"],
+        "0.5 s",
+    ),
+    "memory": ("SELECT list(range) FROM range(1000000000)", ["--memory-limit", "100"], "100 MB of memory"),
+    "memory of a text": ("SELECT repeat('x', 3000000000)", ["--memory-limit", "100"], "100 MB of memory"),
+    "memory of many texts": (
+        "SELECT repeat('x', 1000000) FROM range(1000000)",
+        ["--memory-limit", "200", "--format", "csv", "--print-limit", "1e6"],
+        "200 MB of memory",
+    ),
+    "print": ("SELECT repeat('x', 2000000)", ["--print-limit", "1"], "longer than 1 MB; --print-limit"),
+    "print of rows": ("FROM range(1000000)", ["--print-limit", "1", "--format", "csv"], "longer than 1 MB"),
+}
+
+
+@pytest.mark.parametrize("limit", LIMITS)
+def test_a_query_that_reaches_a_limit_ends_with_one_line(paper, limit):
+    statement, options, said = LIMITS[limit]
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    done = ask(paper, statement, *options)
+    assert done.exit_code == 2, done.output[:1000]
+    assert said in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert len(done.stdout) <= 1_000_000
+    assert resource.getrlimit(resource.RLIMIT_DATA) == before
+
+
+def test_a_long_answer_goes_to_a_file(paper, tmp_path):
+    output = tmp_path / "long.csv"
+    done = ask(paper, "FROM range(300000)", "--print-limit", "1", "--format", "csv", "--output", output)
+    assert done.exit_code == 0, done.output
+    assert len(output.read_text().splitlines()) == 300_001
+
+
+@pytest.mark.parametrize("option", ["--time-limit", "--memory-limit", "--print-limit"])
+@pytest.mark.parametrize("value", ["0", "-1", "much"])
+def test_a_limit_is_a_positive_number(paper, option, value):
+    assert ask(paper, "SELECT 1", option, value).exit_code == 2

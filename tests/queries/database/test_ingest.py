@@ -10,20 +10,17 @@ import duckdb
 import numpy as np
 import pytest
 
-from queries.database import connection as database
-from queries.database import schema
-from queries.database.arrays import _own, wanted
-from queries.database.connection import ResultsError
-from queries.database.ingest import ingest
-from sweep.storage import records, store
-from tests.queries.run_directory import BANDS, LAYER
+from queries.database import DATABASE, ResultsError, connect, ingest, schema
+from queries.database.arrays import wanted
+from sweep.storage import group_writer, records, store
+from tests.queries.run_directory import BANDS, LAYER, Receptance
 
 VIEWS = ("psd", "levels", "accuracy", "costs", "missing")
 
 
 def rows(directory):
     """Return all rows of all tables and views, sorted, numbers of spectra left out."""
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         names = [name for (name,) in connection.execute("SELECT table_name FROM duckdb_tables()").fetchall()]
         names = [name for name in names if name not in ("series", "psd_lines")]
         return {
@@ -36,7 +33,7 @@ def group(directory, unit_id):
 
 
 def count(directory, table):
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         return connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
 
 
@@ -55,7 +52,7 @@ def test_spectra_arrive_as_they_are_stored(study):
     ingest(directory)
     arrays, attributes = store.read_arrays(directory, group(directory, "spectra-1-150-full"))
     place = attributes["receiver"].index("rail")
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         found = connection.execute(
             "SELECT frequency_hz, value FROM psd WHERE case_id = 'case-1-150' AND approach = 'full' "
             "AND receiver = 'rail' AND contribution = 'dynamic' ORDER BY frequency_hz"
@@ -75,7 +72,7 @@ def test_receptances_are_those_under_the_load(study):
     directory = study.write()
     ingest(directory)
     arrays, _ = store.read_arrays(directory, group(directory, "receptance-1-150"))
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         found = connection.execute(
             "SELECT frequency_hz, receptance_re, receptance_im, distance_m FROM receptances "
             "WHERE soil = 'greby' AND speed_kmh = 150 ORDER BY frequency_hz"
@@ -86,13 +83,33 @@ def test_receptances_are_those_under_the_load(study):
     assert set(found["distance_m"]) == {0.0}
 
 
-def test_blocks_that_overlap_give_every_frequency_once():
-    # Half a decade in 25 steps, and four frequencies more beyond each edge.
+def overlapping():
+    """Return frequencies of three blocks of half a decade, each with a halo of four beyond its edges."""
     blocks = [10.0 ** (0.05 + np.arange(25 * block - 4, 25 * block + 30) / 50) for block in range(3)]
-    kept = np.concatenate([frequency[_own(frequency)] for frequency in blocks])
-    np.testing.assert_allclose(kept, 10.0 ** (0.05 + np.arange(75) / 50))
-    together = np.concatenate(blocks)
-    np.testing.assert_array_equal(together[_own(together)], kept)
+    inside = [(np.arange(34) >= 4) & (np.arange(34) < 29) for _ in blocks]
+    return np.concatenate(blocks), np.concatenate(inside)
+
+
+@pytest.mark.parametrize("halos_are_known", [True, False])
+def test_frequencies_of_blocks_that_overlap_arrive_once(study, halos_are_known):
+    frequency, inside = overlapping()
+    directory = study.write(soils=("clay",), lines=10)
+    record = records.find(directory, "receptance", "receptance-0-0")
+    receptance = np.stack([frequency * (1e-9 + 1e-10j)] * 3, axis=1)
+    table = Receptance(frequency, np.array([-2.7, 0.0, 2.7]), receptance, inside if halos_are_known else None)
+    written = group_writer.write(directory, "receptance/again", table, {})
+    records.withdraw(directory, "receptance", "receptance-0-0")
+    records.commit(directory, record | written.recorded())
+    ingest(directory)
+    with connect(directory) as connection:
+        found = connection.execute(
+            "SELECT frequency_hz, receptance_re FROM receptances WHERE speed_kmh = 0 ORDER BY frequency_hz"
+        ).fetchnumpy()
+    whole = np.unique(frequency[inside] if halos_are_known else frequency)
+    np.testing.assert_allclose(found["frequency_hz"], whole)
+    np.testing.assert_allclose(found["receptance_re"], whole * 1e-9)
+    if halos_are_known:
+        np.testing.assert_allclose(whole, 10.0 ** (0.05 + np.arange(75) / 50))
 
 
 def test_an_offset_that_does_not_exist_is_null(results):
@@ -110,10 +127,10 @@ def test_an_offset_that_does_not_exist_is_null(results):
 def test_a_second_ingest_does_nothing(study, monkeypatch):
     directory = study.write()
     ingest(directory)
-    before = (directory / database.DATABASE).stat()
+    before = (directory / DATABASE).stat()
     monkeypatch.setattr(records, "committed", lambda *_: pytest.fail("read the records"))
     assert not ingest(directory).changed
-    after = (directory / database.DATABASE).stat()
+    after = (directory / DATABASE).stat()
     assert (after.st_ino, after.st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
 
 
@@ -160,7 +177,7 @@ def test_a_soil_that_changed_its_meaning_has_a_row_for_each(study):
     manifest["cases"][0]["case_id"] = "another-case"
     records.Run.publish(study.directory, manifest)
     ingest(study.directory)
-    with database.connect(study.directory) as connection:
+    with connect(study.directory) as connection:
         found = connection.execute(
             "SELECT case_id, density_kg_m3 FROM cases JOIN soil_layers USING (soil_id) WHERE layer = 1 "
             "ORDER BY ALL"
@@ -178,7 +195,7 @@ def test_a_damaged_group_is_a_failure_and_the_rest_is_there(study, damage):
         (place / "zarr.json").write_text("torn")
     done = ingest(directory)
     assert done.unreadable == ((directory, "spectra-0-150-full"),)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         assert connection.execute("SELECT unit_id, kind FROM failures").fetchall() == [
             ("spectra-0-150-full", "spectra")
         ]
@@ -191,7 +208,7 @@ def test_an_unfinished_run_is_read(study):
     manifest = records.Run.load(study.directory) | {"finished": None, "exit_status": None}
     records.Run.publish(study.directory, manifest)
     ingest(study.directory)
-    with database.connect(study.directory) as connection:
+    with connect(study.directory) as connection:
         assert connection.execute("SELECT finished, exit_status FROM runs").fetchall() == [(None, None)]
 
 
@@ -199,7 +216,7 @@ def test_a_broken_database_is_made_anew(study):
     directory = study.write()
     ingest(directory)
     before = rows(directory)
-    (directory / database.DATABASE).write_bytes(b"nothing of a database" * 1000)
+    (directory / DATABASE).write_bytes(b"nothing of a database" * 1000)
     assert ingest(directory).changed
     assert rows(directory) == before
 
@@ -226,7 +243,7 @@ def test_an_ingest_that_is_killed_leaves_the_old_snapshot(study):
         "    print('in the middle', flush=True)\n"
         "    time.sleep(60)\n"
         "arrays.wanted = stop\n"
-        "ingest.ingest(sys.argv[1])\n"
+        "ingest(sys.argv[1])\n"
     )
     with subprocess.Popen(
         [sys.executable, "-c", program, str(study.directory)], stdout=subprocess.PIPE, text=True
@@ -245,7 +262,7 @@ def test_an_ingest_that_is_killed_leaves_the_old_snapshot(study):
 
 def test_a_reader_keeps_its_snapshot_and_the_next_one_gets_the_new(study):
     ingest(study.write())
-    with database.connect(study.directory) as early:
+    with connect(study.directory) as early:
         assert early.execute("SELECT count(*) FROM cases").fetchone() == (2,)
         study.write(run_id="run-2", started="2026-03-02T08:00:00+00:00", speeds=(200.0,))
         ingest(study.directory)
@@ -257,7 +274,7 @@ def test_names_are_data_only(study):
     soil = "x'; DROP TABLE cases; --"
     directory = study.write(soils=(soil, '"<script>'))
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         assert connection.execute("SELECT soil FROM cases").fetchall() == [(soil,), ('"<script>',)]
 
 
@@ -310,7 +327,7 @@ def test_a_column_whose_name_bears_no_unit_names_it_in_its_comment(results):
 
 def test_the_file_opens_in_the_oldest_duckdb_that_is_supported(paper):
     with duckdb.connect(":memory:") as connection:
-        connection.execute(f"ATTACH '{paper / database.DATABASE}' AS results (READ_ONLY)")
+        connection.execute(f"ATTACH '{paper / DATABASE}' AS results (READ_ONLY)")
         (tags,) = connection.execute(
             "SELECT tags FROM duckdb_databases() WHERE database_name = 'results'"
         ).fetchone()

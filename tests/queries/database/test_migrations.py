@@ -10,10 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from queries import cli
-from queries.database import connection as database
-from queries.database import schema
-from queries.database.connection import ResultsError
-from queries.database.ingest import ingest
+from queries.database import DATABASE, ResultsError, connect, ingest, schema
+from queries.database.connection import attach
 from tests.queries.database.test_ingest import rows
 
 ROOT = Path(__file__).parents[3]
@@ -43,12 +41,12 @@ def earlier(path):
 def upgraded(path):
     with schema.open_for_writing(path) as connection:
         schema.upgrade(connection)
-    return database.attach(path)
+    return attach(path)
 
 
 def test_rows_of_an_earlier_form_are_kept_and_views_are_those_of_now(tmp_path):
     with upgraded(earlier(tmp_path / "old.duckdb")) as connection:
-        assert connection.execute("SELECT version FROM schema_version").fetchall() == [(1,), (2,)]
+        assert connection.execute("SELECT version FROM schema_version").fetchall() == [(1,), (2,), (3,)]
         assert connection.execute("FROM sources").fetchall() == [(1, ".", None)]
         assert connection.execute("SELECT run_id, soil, level_db FROM levels").fetchall() == [
             ("run-0", "clay", pytest.approx(80.0))
@@ -72,14 +70,14 @@ def test_an_upgraded_file_has_the_form_of_a_new_one(tmp_path):
 
 def test_a_migration_that_fails_changes_nothing(tmp_path, monkeypatch):
     path = earlier(tmp_path / "old.duckdb")
-    first, second = schema.migrations()
+    first, second, *_ = schema.migrations()
     broken = (2, "broken", "CREATE TABLE half (i INTEGER); DELETE FROM bands; SELECT error('broken')")
     monkeypatch.setattr(schema, "migrations", lambda: [first, broken])
     with schema.open_for_writing(path) as connection, pytest.raises(duckdb.Error, match="broken"):
         schema.upgrade(connection)
     monkeypatch.undo()
     assert second[0] == 2
-    with database.attach(path, anyform=True) as connection:
+    with attach(path, any_form=True) as connection:
         assert schema.version(connection) == 1
         assert connection.execute("SELECT count(*) FROM bands").fetchone() == (1,)
         assert connection.execute("SELECT said FROM levels").fetchall() == [("a view of then",)]
@@ -89,10 +87,10 @@ def test_ingest_keeps_a_copy_of_an_earlier_file_and_brings_it_up_to_date(study):
     directory = study.write(lines=10)
     ingest(directory)
     expected = rows(directory)
-    before = earlier(directory / database.DATABASE).read_bytes()
+    before = earlier(directory / DATABASE).read_bytes()
     done = CliRunner().invoke(cli.sql, [str(directory), "FROM cases"])
     assert done.exit_code == 2
-    assert "form 1 of 2" in done.stderr
+    assert "form 1 of 3" in done.stderr
     assert "railvib ingest" in done.stderr
     ingested = ingest(directory)
     assert ingested.backup == directory / "results.form-1.duckdb"
@@ -112,7 +110,7 @@ def test_a_file_of_a_newer_form_is_refused_and_left_alone(study):
     with pytest.raises(ResultsError, match="form 99, written by a newer railvib"):
         ingest(directory, file=path)
     with pytest.raises(ResultsError, match="form 99, written by a newer railvib"):
-        database.connect(path)
+        connect(path)
     assert path.read_bytes() == before
 
 
@@ -128,7 +126,7 @@ def test_a_file_that_is_no_database_of_results_is_refused_and_left_alone(study):
         with pytest.raises(ResultsError, match=str(path.name)):
             ingest(directory, file=path)
         with pytest.raises(ResultsError, match=str(path.name)):
-            database.connect(path)
+            connect(path)
         assert path.read_bytes() == before
 
 
@@ -163,16 +161,16 @@ def test_the_other_major_duckdb_passes_the_tests_of_the_database_and_reads_its_f
         "RAILVIB_OTHER_DUCKDB": OTHER.partition("==")[2][0],
     }
     read = (
-        "import sys, duckdb; from queries.database import connection as database; "
+        "import sys, duckdb; from queries.database import connect; "
         "print(duckdb.__version__); "
-        "print(database.connect(sys.argv[1]).execute('SELECT count(*), sum(level_db) FROM "
+        "print(connect(sys.argv[1]).execute('SELECT count(*), sum(level_db) FROM "
         "levels').fetchone())"
     )
     found = subprocess.run(
         [sys.executable, "-c", read, str(paper)], env=environment, check=True, capture_output=True, text=True
     ).stdout.splitlines()
     assert found[0][0] == environment["RAILVIB_OTHER_DUCKDB"]
-    with database.connect(paper) as connection:
+    with connect(paper) as connection:
         mine = connection.execute("SELECT count(*), sum(level_db) FROM levels").fetchone()
     assert str(mine[0]) in found[1]
     done = subprocess.run(
@@ -190,5 +188,5 @@ def test_the_other_major_duckdb_passes_the_tests_of_the_database_and_reads_its_f
         "from tests.queries.run_directory import Study; ingest(Study(Path(sys.argv[1])).write(lines=10))"
     )
     subprocess.run([sys.executable, "-c", write, str(written)], env=environment, cwd=ROOT, check=True)
-    with database.connect(written) as connection:
+    with connect(written) as connection:
         assert connection.execute("SELECT count(*) FROM accuracy").fetchone() == (2 * 2 * 12 * 21,)

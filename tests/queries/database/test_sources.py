@@ -6,9 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from queries import cli
-from queries.database import connection as database
-from queries.database.connection import ResultsError
-from queries.database.ingest import ingest
+from queries.database import DATABASE, ResultsError, connect, ingest
 from sweep.storage import records
 from tests.queries.database.test_ingest import rows
 from tests.queries.run_directory import Study
@@ -28,7 +26,7 @@ def two(tmp_path):
 
 
 def asked(path, query):
-    with database.connect(path) as connection:
+    with connect(path) as connection:
         return connection.execute(query).fetchall()
 
 
@@ -95,7 +93,7 @@ def test_two_runs_are_compared_across_files(two):
     ingest(two[1])
     import duckdb
 
-    with duckdb.connect(str(two[1] / database.DATABASE)) as connection:
+    with duckdb.connect(str(two[1] / DATABASE)) as connection:
         connection.execute("UPDATE bands SET mean_square = mean_square * 4 WHERE receiver = 'rail'")
     found = CliRunner().invoke(cli.compare, [str(two[0]), "--with", str(two[1]), "--by", "approach,receiver"])
     assert found.exit_code == 0, found.output

@@ -2,10 +2,10 @@
 
 import math
 
+import duckdb
 import pytest
 
-from queries.database import connection as database
-from queries.database.ingest import ingest
+from queries.database import DATABASE, connect, ingest
 from tests.queries.run_directory import BANDS, COSTS
 
 
@@ -56,7 +56,7 @@ def test_accuracy_says_both_levels(results):
 def test_a_case_without_reference_has_no_error(study):
     directory = study.write(lost=("full",))
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         assert connection.execute("SELECT count(*) FROM accuracy").fetchone() == (0,)
         assert connection.execute("SELECT count(*) FROM tradeoff").fetchone() == (0,)
         assert connection.execute("SELECT count(DISTINCT approach) FROM levels").fetchone() == (2,)
@@ -69,7 +69,7 @@ def test_a_case_without_reference_has_no_error(study):
 def test_a_band_without_energy_has_no_level_and_no_error(study):
     directory = study.write(zero_band=True)
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         assert connection.execute("SELECT DISTINCT level_db FROM levels WHERE band_hz = 1").fetchall() == [
             (None,)
         ]
@@ -102,7 +102,7 @@ def test_runtime_sums_costs_and_shows_what_one_more_speed_adds(results):
 def test_runtime_shows_no_speed_up_where_work_is_missing(study):
     directory = study.write(lost=("moving-roughness",))
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         found = connection.execute(
             "SELECT missing_units, speed_up FROM runtime WHERE soil = 'greby' AND approach = "
             "'moving-roughness'"
@@ -114,7 +114,7 @@ def test_runtimes_of_different_kinds_of_hosts_are_not_compared(study):
     study.write(approaches=("full",), host_class="old")
     directory = study.write(run_id="run-2", started="2026-03-02T08:00:00+00:00", host_class="new")
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         found = connection.execute(
             "SELECT approach, host_class, speed_up FROM runtime WHERE soil = 'greby' ORDER BY ALL"
         ).fetchall()
@@ -127,11 +127,12 @@ def test_runtimes_of_different_kinds_of_hosts_are_not_compared(study):
 
 def test_tradeoff_sets_error_beside_cost(results):
     found = results.execute(
-        "SELECT mean_error_db, mean_absolute_error_db, largest_absolute_error_db, cpu_s FROM tradeoff "
+        "SELECT place, mean_error_db, mean_absolute_error_db, largest_absolute_error_db, cpu_s FROM tradeoff "
         "WHERE soil = 'greby' AND approach = 'moving-roughness-uncorrelated' AND contribution = 'dynamic' "
-        "AND quantity = 'velocity'"
+        "AND quantity = 'velocity' ORDER BY place"
     ).fetchall()
-    assert found == [(pytest.approx(-3.0), pytest.approx(3.0), pytest.approx(3.0), 5.75)]
+    error = (pytest.approx(-3.0), pytest.approx(3.0), pytest.approx(3.0), 5.75)
+    assert found == [("ground", *error), ("rail", *error)]
 
 
 def test_compare_sets_any_two_approaches_against_each_other(results):
@@ -153,7 +154,7 @@ def test_views_show_the_newest_run_of_each_case(study):
     study.write(speeds=(150.0, 200.0))
     directory = study.write(run_id="run-2", started="2026-03-02T08:00:00+00:00", speeds=(150.0,))
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         found = connection.execute("SELECT DISTINCT speed_kmh, run_id FROM levels ORDER BY ALL").fetchall()
         doubled = connection.execute(
             "SELECT count(*) FROM levels GROUP BY case_id, approach, contribution, receiver, offset_m, "
@@ -170,7 +171,7 @@ def test_an_approach_that_the_newest_run_dropped_is_not_shown(study):
         run_id="run-2", started="2026-03-02T08:00:00+00:00", approaches=("moving-roughness", "full")
     )
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         assert connection.execute("SELECT DISTINCT approach FROM accuracy").fetchall() == [
             ("moving-roughness",)
         ]
@@ -193,3 +194,49 @@ def test_axles_are_numbered_from_the_head_of_the_train(results):
         "behind_first_axle_m").fetchall()]  # fmt: skip
     assert places[:5] == pytest.approx([0.0, 2.7, 19.0, 21.7, 26.6])
     assert math.isclose(places[-1], 101.5)
+
+
+def floored(study, factor):
+    """Return a study whose quasi-static mean squares on the ground are so many times the dynamic ones."""
+    directory = study.write(soils=("clay",), lines=10)
+    ingest(directory)
+    with duckdb.connect(str(directory / DATABASE)) as connection:
+        connection.execute(
+            "INSERT INTO bands SELECT * REPLACE ('quasi-static' AS contribution, mean_square * $1 AS "
+            "mean_square) FROM bands WHERE receiver = 'ground' AND contribution = 'dynamic'",
+            [factor],
+        )
+    return directory
+
+
+@pytest.mark.parametrize(("factor", "levels"), [(1e-18, True), (1e-22, False)])
+def test_a_level_far_below_the_largest_of_its_receiver_is_none(study, factor, levels):
+    with connect(floored(study, factor)) as connection:
+        found = connection.execute(
+            "SELECT contribution, count(*), count(level_db) FROM levels WHERE receiver = 'ground' "
+            "GROUP BY ALL ORDER BY ALL"
+        ).fetchall()
+        errors = connection.execute(
+            "SELECT count(error_db) FROM accuracy WHERE contribution = 'quasi-static'"
+        ).fetchone()
+        differences = connection.execute(
+            "SELECT count(difference_db) FROM compare('moving-roughness', 'full') "
+            "WHERE contribution = 'quasi-static'"
+        ).fetchone()
+    rows = 3 * 3 * BANDS.size
+    assert found == [
+        ("dynamic", rows, rows),
+        ("quasi-static", rows, rows * levels),
+        ("total", rows, rows),
+    ]
+    assert errors == (rows * 2 // 3 * levels,)
+    assert differences == (rows // 3 * levels,)
+
+
+def test_the_peak_of_a_receiver_is_that_of_all_its_contributions(results):
+    found = results.execute(
+        "SELECT count(*) FROM (SELECT peak_mean_square, max(mean_square) OVER (PARTITION BY case_id, "
+        "approach, quantity, receiver, offset_m, averaging) AS peak FROM bands) "
+        "WHERE peak_mean_square <> peak"
+    ).fetchone()
+    assert found == (0,)

@@ -1,24 +1,21 @@
 """Figures: which there are, that they show what the database holds, and that names do no harm."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import matplotlib.image
 import numpy as np
-import psutil
 import pytest
 from click.testing import CliRunner
 
 from queries import cli
-from queries.database import connection as database
-from queries.database.ingest import ingest
-from queries.figures import appearance, error_plots, figures, plots
-from queries.figures.crew import Crew
-from queries.figures.plots import Combination
+from queries.database import DATABASE, connect, ingest
+from queries.figures import FigureProcesses, appearance, catalogue, error_plots, level_plots, track_plots
+from queries.figures.drawing import sample
+from queries.figures.write import write
 from tests.queries.run_directory import BANDS
 
-CASE = Combination("ballasted-paper", "grona-taget", "fra-hamid-yang-3", 150.0)
+CASES = {"horstwalde": "case-0-150", "greby": "case-1-150"}
+"""Ids of the cases of the plain study by soil."""
 PAPER = [
     "figure-03-unevenness",
     "figure-04-receptance-horstwalde",
@@ -32,12 +29,13 @@ PAPER = [
 
 
 def names(directory):
-    with database.connect(directory) as connection:
-        return [drawing.name for drawing in figures.drawings(connection)]
+    with connect(directory) as connection:
+        return [drawing.name for drawing in catalogue.drawings(connection)]
 
 
 def draw(directory, kind="png"):
-    return Crew(0).start(directory / database.DATABASE, directory / "figures", kind)()
+    with connect(directory) as connection:
+        return FigureProcesses(0).start(connection, directory / DATABASE, directory / "figures", kind)()
 
 
 def lines(axis):
@@ -53,8 +51,8 @@ def test_figures_are_files_that_are_not_blank(study):
     directory = study.write()
     ingest(directory)
     published = draw(directory)
-    with database.connect(directory) as connection:
-        assert figures.drawn(connection, directory / "figures")
+    with connect(directory) as connection:
+        assert catalogue.are_drawn(connection, directory / "figures")
     assert published == [directory / "figures" / f"{name}.png" for name in PAPER]
     for path in published:
         picture = matplotlib.image.imread(path)
@@ -66,11 +64,12 @@ def test_figures_of_an_earlier_state_go(study):
     directory = study.write(lost=("moving-roughness", "moving-roughness-uncorrelated", "full"))
     ingest(directory)
     (directory / "figures").mkdir()
-    (directory / "figures" / "figure-04-receptance-old.png").touch()
+    for kind in ("png", "txt"):
+        (directory / "figures" / f"figure-04-receptance-old.{kind}").touch()
     (directory / "figures" / "mine.png").touch()
     draw(directory)
     left = {path.name for path in (directory / "figures").iterdir()}
-    assert left == {"mine.png", *(f"{name}.png" for name in PAPER[:3])}
+    assert left == {"mine.png", *(f"{name}.{kind}" for name in PAPER[:3] for kind in ("png", "txt"))}
 
 
 def test_axes_with_several_values_are_in_the_name(study):
@@ -99,19 +98,22 @@ def test_long_names_of_soils_make_names_of_files(study):
 def test_many_cases_are_sampled_and_it_is_said(study):
     directory = study.write(soils=tuple(f"soil {n}" for n in range(7)), speeds=(100.0, 150.0), lines=10)
     ingest(directory)
-    with database.connect(directory) as connection:
-        found = figures.drawings(connection)
+    with connect(directory) as connection:
+        found = catalogue.drawings(connection)
     assert sum("force" in drawing.name for drawing in found) == 4 * 2
-    assert all("A sample: 4 of 7 soils and 2 of 2 combinations" in drawing.caption for drawing in found)
+    note = "A sample: 4 of 7 soils and 2 of 2 combinations of track, train, unevenness and speed."
+    sampled = [drawing for drawing in found if "unevenness" not in drawing.name]
+    assert len(sampled) == len(found) - 1
+    assert all(drawing.note.startswith(note) and note in drawing.caption for drawing in sampled)
 
 
 def test_a_sample_keeps_both_ends():
-    assert figures.sample(range(10), 4) == [0, 3, 6, 9]
-    assert figures.sample("ab", 4) == ["a", "b"]
+    assert sample(range(10), 4) == [0, 3, 6, 9]
+    assert sample("ab", 4) == ["a", "b"]
 
 
 def test_the_rail_figure_shows_the_levels(results):
-    figure = plots.rail(results, ["horstwalde", "greby"], CASE, ["moving-roughness", "full"])
+    figure = level_plots.rail(results, CASES, ["moving-roughness", "full"])
     for soil, axis in enumerate(figure.axes):
         expected = 50.0 + 10.0 * soil - 0.1 * BANDS
         np.testing.assert_allclose(lines(axis)["#000000"], expected)
@@ -119,20 +121,20 @@ def test_the_rail_figure_shows_the_levels(results):
 
 
 def test_the_ground_figure_has_a_row_per_offset_and_a_column_per_soil(results):
-    figure = plots.ground(results, ["horstwalde", "greby"], CASE, ["full"], [0.0, 8.0, 32.0])
+    figure = level_plots.ground(results, CASES, ["full"], [0.0, 8.0, 32.0])
     for place, axis in enumerate(figure.axes):
         expected = 60.0 + 10.0 * (place % 2) - 5.0 * (3 + place // 2) - 0.1 * BANDS
         np.testing.assert_allclose(lines(axis)["#000000"], expected)
 
 
 def test_the_force_figure_shows_the_leading_axle_first(results):
-    figure = plots.force(results, "horstwalde", CASE, ["full"])
+    figure = level_plots.force(results, "horstwalde", "case-0-150", ["full"])
     np.testing.assert_allclose(lines(figure.axes[0])["#000000"], 60.0 - 0.1 * BANDS)
     np.testing.assert_allclose(lines(figure.axes[1])["#000000"], 55.0 - 0.1 * BANDS)
 
 
 def test_the_receptance_figure_shows_magnitude_and_phase(results):
-    figure = plots.receptance(results, "greby", "ballasted-paper", [0.0, 150.0])
+    figure = track_plots.receptance(results, "greby", "ballasted-paper", [0.0, 150.0])
     magnitude, phase = (axis.lines for axis in figure.axes)
     frequency = magnitude[0].get_xdata()
     expected = 5.0 / (1.0 - (frequency / 11.0) ** 2 + 0.4j)
@@ -142,7 +144,7 @@ def test_the_receptance_figure_shows_magnitude_and_phase(results):
 
 
 def test_the_unevenness_figure_marks_what_is_extrapolated(results):
-    figure = plots.unevenness(results, ["fra-hamid-yang-3"])
+    figure = track_plots.unevenness(results, ["fra-hamid-yang-3"])
     curve, outside = figure.axes[0].lines
     np.testing.assert_allclose(curve.get_ydata(), 10.0 * np.log10(1e-7 * curve.get_xdata() ** 2 * 1e12))
     assert outside.get_xdata().max() < 1.524
@@ -151,8 +153,8 @@ def test_the_unevenness_figure_marks_what_is_extrapolated(results):
 def test_the_narrow_band_figure_shows_the_lines_of_the_database(study):
     directory = study.write()
     ingest(directory)
-    with database.connect(directory) as connection:
-        (drawing,) = [each for each in figures.drawings(connection) if "narrow-band" in each.name]
+    with connect(directory) as connection:
+        (drawing,) = [each for each in catalogue.drawings(connection) if "narrow-band" in each.name]
         figure = drawing.draw()
     reference, approach, *_ = figure.axes[0].lines
     assert reference.get_xdata().size == approach.get_xdata().size > 100
@@ -180,8 +182,8 @@ def test_figures_come_in_forms_for_print(study, kind, start):
 
 
 def test_every_axis_names_its_unit(paper):
-    with database.connect(paper) as connection:
-        for drawing in figures.drawings(connection, every=True):
+    with connect(paper) as connection:
+        for drawing in catalogue.drawings(connection, every=True):
             axes = [axis for axis in drawing.draw().axes if axis.get_visible()]
             assert any("[" in axis.get_xlabel() for axis in axes), drawing.name
             assert any("[" in axis.get_ylabel() for axis in axes), drawing.name
@@ -190,7 +192,7 @@ def test_every_axis_names_its_unit(paper):
 
 
 def test_beyond_the_paper_there_are_distance_error_and_cost(results):
-    named = [drawing.name for drawing in figures.drawings(results, every=True)]
+    named = [drawing.name for drawing in catalogue.drawings(results, every=True)]
     assert named[len(PAPER) :] == [
         "figure-11-distance",
         "figure-12-error-moving-roughness",
@@ -200,33 +202,35 @@ def test_beyond_the_paper_there_are_distance_error_and_cost(results):
 
 
 def test_the_distance_figure_sums_bands_in_energy(results):
-    figure = error_plots.distance(results, ["horstwalde"], CASE, ["full"])
+    figure = level_plots.distance(results, {"horstwalde": "case-0-150"}, ["full"])
     total = 10 * np.log10(np.sum(10 ** ((60.0 - 5.0 * 3 - 0.1 * BANDS) / 10)))
     np.testing.assert_allclose(lines(figure.axes[0])["#000000"], [total, total - 5.0, total - 10.0])
     at = [f"{band:g}" for band in (8, 16, 31.5, 63)]
-    assert [axis.get_title(loc="left").split(", ")[1] for axis in figure.axes[1:]] == [f"{b} Hz" for b in at]
+    assert [axis.get_title(loc="left").partition(") ")[2].split(", ")[0] for axis in figure.axes[1:]] == [
+        f"{b} Hz" for b in at
+    ]
 
 
 def test_the_error_map_shows_error_by_distance_or_speed(results, study):
     figure = error_plots.error_map(results, ["greby"], "moving-roughness-uncorrelated", "full")
     (mesh,) = figure.axes[0].collections
-    np.testing.assert_allclose(mesh.get_array(), np.full((3, BANDS.size), -3.0))
+    np.testing.assert_allclose(mesh.get_array(), np.full((3, BANDS.size), 3.0))
     directory = study.write(soils=("greby",), speeds=(100.0, 150.0), lines=10)
     ingest(directory)
-    with database.connect(directory) as connection:
+    with connect(directory) as connection:
         figure = error_plots.error_map(connection, ["greby"], "moving-roughness", "full")
     assert [text.get_text() for text in figure.axes[0].get_yticklabels()] == ["100", "150"]
 
 
 def test_the_cost_figure_has_a_point_per_case_and_approach(results):
-    figure = error_plots.cost(results, ["moving-roughness", "full"])
+    figure = error_plots.cost(results, ["moving-roughness", "full"], "ground")
     close, exact = figure.axes[0].lines
     assert (list(close.get_xdata()), list(close.get_ydata())) == ([5.75] * 2, pytest.approx([1.0] * 2))
     assert (list(exact.get_xdata()), list(exact.get_ydata())) == ([7.5] * 2, [0.0] * 2)
 
 
 def test_multiples_of_the_passing_frequency_are_marked(results):
-    (drawing,) = [each for each in figures.drawings(results) if "narrow-band" in each.name]
+    (drawing,) = [each for each in catalogue.drawings(results) if "narrow-band" in each.name]
     marked = [line.get_xdata()[0] for line in drawing.draw().axes[0].lines if line.get_color() == "#b9a7c9"]
     np.testing.assert_allclose(marked, np.arange(1, 9) * 150 / 3.6 / 26.6)
 
@@ -240,9 +244,9 @@ def test_names_are_not_read_as_mathematics(study):
 def test_results_that_are_missing_leave_their_curve_out(study):
     directory = study.write(lost=("moving-roughness",))
     ingest(directory)
-    with database.connect(directory) as connection:
-        figure = plots.rail(connection, ["greby"], CASE, ["moving-roughness", "full"])
-    assert set(lines(figure.axes[0])) == {"#000000"}
+    with connect(directory) as connection:
+        figure = level_plots.rail(connection, {"greby": "case-1-150"}, ["moving-roughness", "full"])
+    assert set(lines(figure.axes[0])) == {"#000000", "white"}  # hollow markers: extrapolated unevenness
 
 
 def test_a_run_without_any_result_has_the_figures_that_it_can_have(study):
@@ -251,41 +255,16 @@ def test_a_run_without_any_result_has_the_figures_that_it_can_have(study):
     assert names(directory) == PAPER[:3]
 
 
-@pytest.mark.slow
-def test_figures_that_several_processes_draw_are_the_same(study):
-    directory = study.write(lines=50)
-    ingest(directory)
-    draw(directory)
-    alone = {path.name: path.read_bytes() for path in (directory / "figures").iterdir()}
-    with Crew(2) as crew:
-        crew.start(directory / database.DATABASE, directory / "together")()
-    assert {path.name: path.read_bytes() for path in (directory / "together").iterdir()} == alone
-
-
-@pytest.mark.slow
-def test_processes_that_draw_end_with_the_one_that_they_draw_for():
-    code = "from queries.figures.crew import Crew; crew = Crew(2); print('made', flush=True); input()"
-    with subprocess.Popen(
-        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as driver:
-        assert driver.stdout.readline() == "made\n"
-        family = psutil.Process(driver.pid).children(recursive=True)
-        driver.kill()
-    _, alive = psutil.wait_procs(family, timeout=30)
-    assert len(family) >= 2
-    assert [each for each in alive if each.status() != psutil.STATUS_ZOMBIE] == []
-
-
 def test_figures_on_panels_that_have_been_drawn_on_are_the_same(results, tmp_path):
-    drawings = figures.drawings(results, every=True)
+    drawings = catalogue.drawings(results, every=True)
 
     def pictures(order, kept):
         made = {}
         for drawing in order:
             if not kept:
                 appearance._emptied.clear()
-            figures.write(drawing, tmp_path / "figure.png", "png")
-            made[drawing.name] = (tmp_path / "figure.png").read_bytes()
+            write(drawing, tmp_path, "png")
+            made[drawing.name] = (tmp_path / f"{drawing.name}.png").read_bytes()
         return made
 
     fresh = pictures(drawings, kept=False)

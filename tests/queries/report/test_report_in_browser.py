@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from queries.database import connection as database
-from queries.database.ingest import ingest
-from queries.report import report
+from queries.database import DATABASE, connect, ingest
+from queries.report import write_report
 from tests.queries.browser import started
 from tests.queries.run_directory import Study
 
@@ -32,7 +31,7 @@ def path(tmp_path_factory):
         soils=("horstwalde", NAME), speeds=(100.0, 150.0), lines=400, name=NAME
     )
     ingest(directory)
-    with duckdb.connect(str(directory / database.DATABASE)) as connection:
+    with duckdb.connect(str(directory / DATABASE)) as connection:
         connection.execute("UPDATE bands SET mean_square = mean_square * 2 WHERE contribution = 'total'")
         connection.execute("UPDATE psd_lines SET value = value * 2 WHERE series_id IN (SELECT series_id "
         "FROM series "
@@ -62,8 +61,8 @@ def path(tmp_path_factory):
                         f"INSERT INTO {table} SELECT * REPLACE ('{column} 2' AS {column}) FROM {table}"
                     )
         connection.execute("INSERT INTO receptances SELECT * REPLACE ('track 2' AS track) FROM receptances")
-    with database.connect(directory) as connection:
-        return report.write(connection, directory / "report.html")
+    with connect(directory) as connection:
+        return write_report(connection, directory / "report.html")
 
 
 @pytest.fixture(scope="module")
@@ -176,7 +175,7 @@ def test_the_level_that_is_shown_is_that_of_the_database(page, path):
         "'full model');"
         " return Array.from(trace.y); })()"
     )
-    with database.connect(path.parent) as connection:
+    with connect(path.parent) as connection:
         expected = connection.execute(
             "SELECT decibel(mean_square / 2.54e-8 ** 2) FROM bands WHERE case_id = 'case-0-100' "
             "AND approach = 'full' AND contribution = 'dynamic' AND offset_m = 8 ORDER BY band_hz"

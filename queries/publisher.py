@@ -1,16 +1,18 @@
-"""Whoever publishes the results of a run that the engine computes; light until it gets ready."""
+"""Publishes the results of a run that the engine computes; light until it gets ready."""
 
-import importlib
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
-from queries.figures.crew import WORKERS, Crew
+from queries.refusal import refusing
+
+if TYPE_CHECKING:
+    from queries.figures import FigureProcesses
 
 
 class Publisher:
-    """Publishes the results of a run directory, see `queries.database.publication`.
+    """Publishes the results of a run directory, see `queries.publication`.
 
     Parameters
     ----------
@@ -21,7 +23,7 @@ class Publisher:
     def __init__(self, directory: Path | str) -> None:
         self._directory = Path(directory)
         self._stack = ExitStack()
-        self._crew: Crew | None = None
+        self._processes: FigureProcesses | None = None
         self._begun: Future[Path] | None = None
 
     def __enter__(self) -> Self:
@@ -33,29 +35,34 @@ class Publisher:
 
     def get_ready(self) -> None:
         """Begin to load all that publishing takes, while the last tasks run; does not wait."""
-        self._crew = self._stack.enter_context(Crew(WORKERS))
+        from queries.figures import WORKERS, FigureProcesses
+
+        self._processes = self._stack.enter_context(FigureProcesses(WORKERS))
         thread = self._stack.enter_context(ThreadPoolExecutor(1))
         self._begun = thread.submit(_begin, self._directory)
         self._stack.callback(_remove, self._begun)
 
     def publish(self) -> None:
         """Bring database, figures and report up to date, and print the comparison."""
-        from queries.database import ingest, publication
+        from queries import publication
+        from queries.database import is_outdated
+        from queries.figures import WORKERS, FigureProcesses
 
-        if self._crew is None:
-            # Whoever draws loads the plotting library while the database is made.
-            workers = WORKERS if ingest.is_outdated(self._directory) else 0
-            self._crew = self._stack.enter_context(Crew(workers))
-        begun = None if self._begun is None else self._begun.result()
-        publication.publish(self._directory, self._crew, begun)
+        with refusing(f"; what was computed is kept, `railvib report {self._directory}` publishes it"):
+            if self._processes is None:
+                # The plotting library is loaded while the database is made.
+                workers = WORKERS if is_outdated(self._directory) else 0
+                self._processes = self._stack.enter_context(FigureProcesses(workers))
+            begun = None if self._begun is None else self._begun.result()
+            publication.publish(self._directory, self._processes, begun)
 
 
 def _begin(directory: Path) -> Path:
     """Import what publishing takes, and begin with the database."""
-    importlib.import_module("queries.database.publication")
-    from queries.database import ingest
+    from queries import publication  # noqa: F401
+    from queries.database import begin
 
-    return ingest.begin(directory)
+    return begin(directory)
 
 
 def _remove(begun: "Future[Path]") -> None:

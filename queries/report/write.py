@@ -5,6 +5,7 @@ import json
 import os
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -14,11 +15,10 @@ import duckdb
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
-from queries.answers import compare, provenance, summary
-from queries.answers.compare import Pair
-from queries.database import connection as database
-from queries.database.connection import ResultsError
-from queries.report import page_data
+from queries import answers
+from queries.answers import Pair
+from queries.database import ResultsError, reason, snapshot
+from queries.report.data import data
 
 _PAGE = resources.files("queries.report") / "page"
 _MOST_ROWS = 2000
@@ -26,7 +26,7 @@ _MOST_ROWS = 2000
 _SCRIPTS = ("data.js", "plots.js", "figures.js", "page.js")
 
 
-def write(connection: duckdb.DuckDBPyConnection, path: Path) -> Path:
+def write_report(connection: duckdb.DuckDBPyConnection, path: Path) -> Path:
     """Write the report of results and return its path; every number comes from the database.
 
     Raises
@@ -41,53 +41,56 @@ def write(connection: duckdb.DuckDBPyConnection, path: Path) -> Path:
                 file.write(piece.encode())
         partial.replace(path)
     except OSError as error:
-        raise ResultsError(f"{path}: cannot be written: {error.strerror}") from error
+        raise ResultsError(f"{path}: cannot be written: {reason(error)}") from error
     finally:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
     return path
 
 
-def shown(path: Path) -> tuple[str, ...]:
+def shown_snapshot(path: Path) -> tuple[str, ...]:
     """Return the digests of the snapshot that a report shows, see `database.snapshot`; () for no report."""
     try:
         with path.open(encoding="utf-8") as file:
             head = file.read(1000)
-    except OSError:
+    except (OSError, UnicodeDecodeError):
         return ()
-    found = re.search('name="railvib-snapshot" content="([0-9a-f]+) ([0-9a-f]+)"', head)
-    return found.groups() if found else ()
+    match = re.search('name="railvib-snapshot" content="([0-9a-f]+) ([0-9a-f]+)"', head)
+    return match.groups() if match else ()
 
 
 def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
     """Return the page, piece by piece."""
-    row = connection.execute(
+    query = (
         "SELECT coalesce(resolved_study ->> '$.study.title', study) FROM runs ORDER BY sequence DESC LIMIT 1"
-    ).fetchone()
-    said = {
+    )
+    row = connection.execute(query).fetchone()
+    content = {
         "study": str(row[0] if row and row[0] else "results"),
-        "snapshot": " ".join(database.snapshot(connection)),
-        "verdicts": summary.verdicts(connection),
-        "sentences": summary.summary(connection),
-        "missing": summary.missing(connection),
+        "snapshot": " ".join(snapshot(connection)),
+        "verdicts": answers.verdicts(connection),
+        "sentences": answers.summary(connection),
+        "missing": answers.missing(connection),
+        "extrapolated": answers.extrapolated(connection),
         "tables": [
             *(
-                compare.error_table(connection, pair, by)
-                for pair in compare.pairs(connection)
+                answers.error_table(connection, pair, by)
+                for pair in answers.pairs(connection)
                 for by in _groupings(connection, pair)
             ),
-            compare.cost_table(connection, by_case=True),
+            answers.cost_table(connection, by_case=True),
         ],
-        "provenance": provenance.tables(connection),
+        "provenance": answers.provenance_tables(connection),
     }
     # Last: narrow-band lines fill what DuckDB may hold, and then every query takes half as long again.
-    drawn = page_data.data(connection)
+    figures = data(connection)
     return (
         _environment()
         .get_template("report.html")
         .generate(
-            said,
-            data=drawn,
-            thinned=_thinned(drawn["lines"]),
+            content,
+            data=figures,
+            thinned=_thinned(figures["lines"]),
             style=Markup(_text("report.css")),
             scripts=[Markup(_text(name)) for name in _SCRIPTS],
             plotly=Markup(_plotly()),
@@ -97,12 +100,10 @@ def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
 
 def _groupings(connection: duckdb.DuckDBPyConnection, pair: Pair) -> list[tuple[str, ...] | None]:
     """Return what error tables are grouped by: case and receiver, or each alone where there are many."""
-    row = connection.execute(
-        f"SELECT count(*) FROM (SELECT DISTINCT case_id, receiver, offset_m FROM ({pair.rows}))",
-        list(pair.given),
-    ).fetchone()
+    query = f"SELECT count(*) FROM (SELECT DISTINCT case_id, receiver, offset_m FROM ({pair.rows}))"
+    row = connection.execute(query, dict(pair.parameters)).fetchone()
     few = not row or row[0] <= _MOST_ROWS
-    return [None] if few else [(*compare.varying(connection),), ("receiver",)]
+    return [None] if few else [(*answers.varying(connection),), ("receiver",)]
 
 
 def _thinned(lines: dict[str, Any]) -> str:
@@ -111,16 +112,16 @@ def _thinned(lines: dict[str, Any]) -> str:
         return "The database holds no narrow-band lines: the study leaves them to the store."
     if not lines["bins"]:
         return f"All {lines['lines']:,} lines of each spectrum are drawn."
-    said = (
+    text = (
         f"To keep this page small, each spectrum of up to {lines['lines']:,} lines is thinned to the "
         f"smallest and the largest line of each of {lines['bins']:,} bins of frequency, so that peaks and "
         "dips stay"
     )
     if lines["dynamic_only"]:
-        said += "; only the dynamic contribution is here"
+        text += "; only the dynamic contribution is here"
     if lines["cases"] < lines["of_cases"]:
-        said += f"; {lines['cases']} of {lines['of_cases']} cases have one"
-    return said + ". The database has every line."
+        text += f"; {lines['cases']} of {lines['of_cases']} cases have one"
+    return text + ". The database has every line."
 
 
 @cache
@@ -148,8 +149,8 @@ def _text(name: str) -> str:
 
 def _plotly() -> str:
     """Return the plotting library, as its Python package brings it; the package itself is slow to import."""
-    found = importlib.util.find_spec("plotly")
-    assert found is not None
-    assert found.submodule_search_locations is not None
-    place = Path(found.submodule_search_locations[0]) / "package_data" / "plotly.min.js"
+    package = importlib.util.find_spec("plotly")
+    assert package is not None
+    assert package.submodule_search_locations is not None
+    place = Path(package.submodule_search_locations[0]) / "package_data" / "plotly.min.js"
     return place.read_text("utf-8")

@@ -4,7 +4,7 @@ import duckdb
 import numpy as np
 import pytest
 
-from queries.report import page_spectra
+from queries.report import spectra as narrow_band
 
 WANTED = np.array([40, 2, 0, 5, 41])
 
@@ -35,9 +35,9 @@ def spectra(request):
 
 @pytest.mark.parametrize("at_once", [2, 64])
 def test_each_spectrum_has_its_own_lines_above_zero(spectra, monkeypatch, at_once):
-    monkeypatch.setattr(page_spectra, "_SPECTRA_AT_ONCE", at_once)
+    monkeypatch.setattr(narrow_band, "_SPECTRA_AT_ONCE", at_once)
     connection, made = spectra
-    found = {place: lines for place, *lines in page_spectra._lines(connection, WANTED)}
+    found = {place: lines for place, *lines in narrow_band._lines(connection, WANTED)}
     assert sorted(found) == list(range(WANTED.size))
     for place, series in enumerate(WANTED.tolist()):
         for got, expected in zip(found[place], made[series], strict=True):
@@ -46,7 +46,7 @@ def test_each_spectrum_has_its_own_lines_above_zero(spectra, monkeypatch, at_onc
 
 def test_spectra_on_different_lines_are_given_on_all_of_them(spectra):
     connection, made = spectra
-    frequency, density = page_spectra._all(page_spectra._lines(connection, WANTED), WANTED.size)
+    frequency, density = narrow_band._all(narrow_band._lines(connection, WANTED), WANTED.size)
     np.testing.assert_array_equal(
         frequency, np.unique(np.concatenate([made[series][0][1:] for series in WANTED.tolist()]))
     )
@@ -58,8 +58,8 @@ def test_spectra_on_different_lines_are_given_on_all_of_them(spectra):
 
 def test_bins_have_the_least_and_the_largest_line(spectra):
     connection, made = spectra
-    lines = page_spectra._lines(connection, WANTED)
-    midpoints, density = page_spectra._extremes(lines, WANTED.size, 10, 1.0, 100.0)
+    lines = narrow_band._lines(connection, WANTED)
+    midpoints, density = narrow_band._extremes(lines, WANTED.size, 10, 1.0, 100.0)
     edges = np.geomspace(1.0, 100.0, 11)
     np.testing.assert_allclose(midpoints, np.sqrt(edges[1:] * edges[:-1]))
     for row, series in zip(density.reshape(-1, 10, 2), WANTED.tolist(), strict=True):

@@ -1,0 +1,34 @@
+"""A request that cannot be met, in one line on standard error instead of a traceback."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import click
+
+
+class Refusal(click.ClickException):
+    """A request that cannot be met: one line, exit code 2."""
+
+    exit_code = 2
+
+
+@contextmanager
+def refusing(advice: str = "") -> Iterator[None]:
+    """Turn what is wrong with a request, a place or a disk into a refusal.
+
+    Parameters
+    ----------
+    advice
+        What to do, at the end of the line.
+    """
+    from queries.database import ResultsError, reason
+
+    try:
+        yield
+    except ResultsError as error:
+        raise Refusal(f"{error}{advice}") from error
+    except BrokenPipeError:  # the reader of our output has had enough
+        raise
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        raise Refusal(f"{place}{reason(error)}{advice}") from error
