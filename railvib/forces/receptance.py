@@ -252,7 +252,7 @@ def receptances(
 
     Notes
     -----
-    Eq. 14 and 19 of the paper; docs/conventions.md section 3.
+    Eq. 14 and 19 of the paper; docs/conventions.md, ground and track.
     """
     f = np.atleast_1d(np.asarray(frequency, float))
     d = np.atleast_1d(np.asarray(distances, float))

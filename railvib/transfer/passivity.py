@@ -39,7 +39,7 @@ def nonpassive_ranges(
 
     Notes
     -----
-    docs/conventions.md sections 2 and 7.4. Twelve frequencies per octave are tried, and the ends of ranges
+    docs/conventions.md, ground and track. Twelve frequencies per octave are tried, and the ends of ranges
     are found to 0.1 %.
     """
     if highest <= _passive_up_to(ground, track):

@@ -32,8 +32,8 @@ def track_response(
 
     Notes
     -----
-    docs/conventions.md section 3; Sheng, Jones and Petyt (1999). Written with the ground's flexibility, so
-    that a rigid or a very stiff ground needs no division by it.
+    docs/conventions.md, ground and track; Sheng, Jones and Petyt (1999). Written with the ground's
+    flexibility, so that a rigid or a very stiff ground needs no division by it.
     """
     values = np.asarray(wavenumber, float), np.asarray(omega, float), np.asarray(compliance, complex)
     shape = np.broadcast_shapes(*(value.shape for value in values))
