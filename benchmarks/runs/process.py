@@ -122,7 +122,7 @@ def _stages(commits: Iterable[Mapping[str, Any]]) -> dict[str, float]:
 
 
 def _approaches(directory: Path) -> dict[str, float]:
-    """Return the CPU seconds of all units that each approach needs; shared work is charged to each in full."""
+    """Return the CPU seconds of all units that each approach needs; shared work counts for each in full."""
     seconds = {
         record["unit_id"]: sum(cost["cpu_s"] for cost in record["costs"])
         for record in records.committed(directory)
@@ -176,7 +176,7 @@ class _Watch:
 
 
 def _resident(process: psutil.Process) -> int:
-    """Return the largest resident memory of a process so far or, if the system does not tell, its present one."""
+    """Return the largest resident memory of a process so far, or the present one if that is unknown."""
     try:
         for line in Path(f"/proc/{process.pid}/status").read_text().splitlines():
             if line.startswith("VmHWM"):

@@ -9,7 +9,7 @@ from sweep.storage import records, store
 
 
 def largest_difference(first: Path, second: Path) -> tuple[float, int]:
-    """Return the largest difference of any array of two runs over its largest value, and the number of arrays.
+    """Return the largest difference of any array of two runs over its largest value, and their number.
 
     Raises
     ------
