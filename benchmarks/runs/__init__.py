@@ -1,0 +1,1 @@
+"""Runs of studies in processes of their own, and what they cost."""
