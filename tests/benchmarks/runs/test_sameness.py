@@ -10,7 +10,7 @@ from tests.sweep.small import STUDY, invoke
 def test_two_workers_give_what_one_process_gives(computed, tmp_path):
     (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sweep.cli.AFTER_RUN", "none")
+        patch.setattr("sweep.hooks.AFTER_RUN", "none")
         result = invoke("run", tmp_path / "small.toml", "--out", tmp_path / "two", "--workers", 2)
     assert result.exit_code == 0, result.output
     difference, arrays = sameness.largest_difference(computed / "out", tmp_path / "two")
