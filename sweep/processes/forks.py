@@ -11,12 +11,12 @@ terminal sends to all processes: the driver stops them.
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
 from multiprocessing import forkserver, get_context, resource_tracker
 from multiprocessing.connection import Connection
-from threading import Thread
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -42,11 +42,29 @@ def start(kinds: str) -> None:
     global _started
     if not POSSIBLE:
         return
-    resource_tracker.ensure_running()  # which would unblock the signals when it is started below
+    with _hang_up_ignored():
+        resource_tracker.ensure_running()  # which would unblock the signals when it is started below
     with _environment({**THREADS, KINDS: kinds, DRIVER: str(os.getpid())}), signals_blocked():
         forkserver.set_forkserver_preload(["sweep.processes.server"])
         forkserver.ensure_running()
         _started = True
+
+
+@contextmanager
+def _hang_up_ignored() -> Iterator[None]:
+    """Let processes started inside the block ignore hang-ups for good, as they do Ctrl-C.
+
+    A resource tracker that a hang-up ends is started anew, knows nothing of what it should release, and
+    prints tracebacks.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 def running() -> bool:
@@ -58,7 +76,7 @@ def submit(function: Callable[..., Result], *arguments: Any) -> Callable[[], Res
     """Call a function in a process forked for it, without waiting; what is returned waits for its result."""
     future: Future[Result] = Future()
     # A thread, as forking takes until the process from which it is done is ready; nobody waits for it to end.
-    Thread(target=_call, args=(future, function, arguments), daemon=True).start()
+    threading.Thread(target=_call, args=(future, function, arguments), daemon=True).start()
     return future.result
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import railvib
-from railvib import cost
+from railvib import cost, signals
 from railvib.errors import AccuracyWarning, PlausibilityWarning
 from sweep.host import host_class
 from sweep.processes import compiling
@@ -148,6 +148,8 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
     except WithdrawnError as error:
         return outcome("damaged", str(error))
     except Exception as error:
+        if signals.received():  # compiled code that is interrupted raises an error of its own
+            raise KeyboardInterrupt from error
         try:
             if location.is_full(error):
                 raise

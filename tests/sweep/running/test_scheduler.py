@@ -6,6 +6,7 @@ import numpy as np
 import psutil
 import pytest
 
+from railvib import signals
 from sweep import plan
 from sweep.running import scheduler, task
 from sweep.running.task import Place
@@ -225,3 +226,14 @@ def test_a_task_that_kills_its_worker_fails_alone(tmp_path):
     assert all(error == scheduler.LOST for _, error in tally.failures)
     assert len(list(records.committed(tmp_path, "total"))) == 13
     assert {failure["kind"] for failure in records.failed(tmp_path)} == {"square"}
+
+
+def test_what_an_interruption_raises_is_no_failure(tmp_path, monkeypatch):
+    """Compiled code turns the KeyboardInterrupt of a signal into an error of its own."""
+    unit, place = toy.square(1, poison="raise"), Place(str(tmp_path), "run-1", toy.__name__)
+    monkeypatch.setattr(signals, "_received", [15])
+    with pytest.raises(KeyboardInterrupt):
+        task.execute("square", [unit], place)
+    assert list(records.failed(tmp_path)) == []
+    monkeypatch.setattr(signals, "_received", [])
+    assert task.execute("square", [unit], place).status == "failed"
