@@ -88,7 +88,9 @@ def rail_receptance(
     check_damping(ground)
     check_contact(ground, track, float(f.min(initial=np.inf)), float(f.max(initial=0.0)))
     if speed == 0.0:
-        block_indices = sorted({int(block) for block in blocks.assigned(f.ravel(), range(blocks.LOWEST, 20))})
+        block_indices = sorted(
+            {int(block) for block in blocks.nearest_block(f.ravel(), range(blocks.LOWEST, 20))}
+        )
     else:
         block_indices = list(blocks.up_to(highest_tabulated_frequency(track, float(f.max()), speed)))
     stages = [

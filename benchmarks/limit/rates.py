@@ -14,7 +14,8 @@ from typing import Any
 import numba
 from llvmlite import ir
 from numba.core import cgutils, types
-from numba.extending import intrinsic
+
+from railvib.numerics.intrinsics import intrinsic
 
 _LENGTHS = (2, 4, 8)
 """Doubles in a vector register: NEON and SSE, AVX2, AVX-512."""
@@ -87,8 +88,8 @@ def loop(operation: str, length: int, chains: int) -> Callable[[int], float]:
         return builder.call(function, [x, constant(0.75), constant(0.5)][:arity])
 
     @intrinsic
-    def body(typingctx, count):
-        def codegen(context, builder, signature, args):
+    def body(typingctx: Any, count: Any) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             chain = [cgutils.alloca_once_value(builder, constant(1.0 + 0.01 * i)) for i in range(chains)]
             with cgutils.for_range(builder, args[0]):
                 for cell in chain:
@@ -103,9 +104,8 @@ def loop(operation: str, length: int, chains: int) -> Callable[[int], float]:
 
         return types.float64(types.int64), codegen
 
-    @numba.njit
-    def run(count):
-        return body(count)
+    def run(count: int) -> float:
+        return float(body(count))
 
-    compiled: Callable[[int], float] = run
+    compiled: Callable[[int], float] = numba.njit()(run)
     return compiled

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import roots_legendre
 
 from railvib.parameters.ground import Ground
-from railvib.soil.flexibility import surface_flexibilities
+from railvib.soil._kernels.layers import surface_flexibilities
 
 _COARSE_NODE, _COARSE_WEIGHT = roots_legendre(6)
 _FINE_NODE, _FINE_WEIGHT = roots_legendre(12)

@@ -17,9 +17,9 @@ from scipy import fft
 
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
-from railvib.soil.flexibility import surface_flexibilities
+from railvib.soil._kernels.layers import surface_flexibilities
 from railvib.soil.rational_fit import RationalFit
-from railvib.soil.strip import strip_compliances
+from railvib.soil.strip import strip_compliance
 from railvib.transfer.nodes import largest_wavenumber
 from railvib.transfer.track_response import track_response
 
@@ -176,8 +176,7 @@ def coarsest(ground: Ground, track: Track, frequency: float, fit: RationalFit) -
 
 def closed_form(fit: RationalFit, b: float, beta: np.ndarray) -> np.ndarray:
     """Return C(β, y) at all `OFFSETS` by the poles of a fit, (β, offsets)."""
-    real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, OFFSETS)
-    return np.asarray((real + 1j * imag).T)
+    return strip_compliance(fit, beta, b, OFFSETS).T
 
 
 def _range_along(track: Track, omega: float, fit: RationalFit) -> float:

@@ -19,8 +19,8 @@ from railvib import library
 from railvib.numerics.third_octaves import midbands
 from railvib.parameters.units import KMH
 from railvib.psd.spectra import line_step, lines
+from railvib.soil._kernels.strip import strip_compliances
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.strip import strip_compliances
 
 SECTION = "growth"
 SLOPE = 1.05

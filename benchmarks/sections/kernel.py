@@ -13,7 +13,7 @@ from benchmarks.runs import soils
 from benchmarks.sizes import Size
 from railvib.numerics import threads
 from railvib.numerics.vector_math import LANES
-from railvib.soil.flexibility import surface_flexibilities
+from railvib.soil._kernels.layers import surface_flexibilities
 
 SECTION = "kernel"
 LAYERS = (1, 3, 10)

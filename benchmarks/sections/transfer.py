@@ -17,8 +17,9 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import threads
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
+from railvib.soil._kernels.strip import strip_compliances
 from railvib.soil.rational_fit import RationalFit, fit_flexibility
-from railvib.soil.strip import strip_compliances
+from railvib.soil.strip import strip_compliance
 from railvib.transfer.nodes import TOP, Nodes, largest_wavenumber
 from railvib.transfer.track_response import track_response
 
@@ -83,10 +84,7 @@ class _Tables:
 
     def compliance(self, fit: RationalFit) -> np.ndarray:
         """Return C(β, y), (offsets, wavenumbers)."""
-        real, imag = strip_compliances(
-            self.beta, fit.pole, fit.residue, fit.constant, self.track.half_width, OFFSETS
-        )
-        return np.asarray(real + 1j * imag)
+        return strip_compliance(fit, self.beta, self.track.half_width, OFFSETS)
 
     def responses(self, compliance: np.ndarray) -> np.ndarray:
         """Return H̃_R and H̃_G, (1 + offsets, wavenumbers)."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railvib.fe_be.boundary_elements import graded
+from railvib.fe_be.boundary_elements import graded_edges
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.track import Track
 
@@ -33,7 +33,7 @@ class Response(NamedTuple):
 
 def strip_edges(track: Track, section: CrossSection) -> np.ndarray:
     """Return the edges of the strips right of the centre line, m, (elements + 1,)."""
-    return graded(track.half_width, section.elements)
+    return graded_edges(track.half_width, section.elements)
 
 
 def columns(track: Track, section: CrossSection, omega: float) -> np.ndarray:

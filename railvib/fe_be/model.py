@@ -73,13 +73,11 @@ def _soil(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the flexibilities of strips and receivers: far receivers from the fit for the field."""
     with cost.stage("boundary elements") as spent:
-        soil = strip_flexibility(beta, strips.pole, strips.residue, strips.constant, edge)
+        soil = strip_flexibility(strips, beta, edge)
         receiver = np.empty((beta.size, offset.size, soil.shape[1]), complex)
         near = offset < edge[-1] + _NEAR
         for fit, which in ((strips, near), (field, ~near)):
-            receiver[:, which] = receiver_flexibility(
-                beta, fit.pole, fit.residue, fit.constant, edge, offset[which]
-            )
+            receiver[:, which] = receiver_flexibility(fit, beta, edge, offset[which])
         spent.evaluations += beta.size
         spent.kernel_calls += 3
     return soil, receiver

@@ -19,7 +19,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementQuad2, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 from railvib import cost
-from railvib.numerics.wavenumber_panels import BARYCENTRIC, NODE, ORDER, nodes_between, unresolved
+from railvib.numerics.wavenumber_panels import BARYCENTRIC, NODE, ORDER, nodes_between, series_tails
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.track import Track
 
@@ -174,7 +174,7 @@ def _resolved(bed: SolidBed, omega: float, largest: float, tolerance: float) -> 
     for halving in range(_MOST_HALVINGS + 1):
         values = np.array([[bed.condensed(b, omega) for b in nodes_between(each)] for each in pending])
         size = _scale(np.concatenate([*(value[None] for _panel, value in done), values]))
-        last = unresolved(values.transpose(0, 2, 3, 1))[..., 0]
+        last = series_tails(values.transpose(0, 2, 3, 1))[..., 0]
         bad = (last > tolerance * size).any(axis=(1, 2)) & (halving < _MOST_HALVINGS)
         done += list(zip(pending[~bad], values[~bad], strict=True))
         if not bad.any():

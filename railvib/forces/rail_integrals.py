@@ -14,7 +14,7 @@ import numpy as np
 from railvib.forces._kernels.rail_integrals import integrate_panels
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.refinement import halve
-from railvib.numerics.wavenumber_panels import NODE, unresolved
+from railvib.numerics.wavenumber_panels import NODE, series_tails
 from railvib.parameters.track import Track
 from railvib.transfer.track_response import track_response
 from railvib.transfer.transfer_function import TransferFunction
@@ -137,7 +137,7 @@ def _resolve(
         if not peak.any():
             size = np.sqrt((np.square(value.real) + np.square(value.imag)).max(axis=1))
             np.maximum.at(peak, panels.owner, size)
-        error = unresolved(value)[:, 0] * 2.0 * panels.half
+        error = series_tails(value)[:, 0] * 2.0 * panels.half
         return value, error > _RESOLVED * tolerance * peak[panels.owner]
 
     parts = list(halve(_first_panels(rail, frequency, speed), evaluate, _MOST_HALVINGS))
@@ -152,7 +152,7 @@ def _first_panels(rail: TransferFunction, frequency: np.ndarray, speed: float) -
     and those of the tail.
     """
     largest = rail.reach
-    block_of = blocks.assigned(frequency, rail.blocks)
+    block_of = blocks.nearest_block(frequency, rail.blocks)
     tail = largest * _TAIL_RATIO ** np.arange(1, _TAIL_PANELS + 1)
     halves = largest * 0.5 ** np.arange(1, int(np.log2(largest / _NARROWEST)) + 1)
     first = []

@@ -17,6 +17,7 @@ from railvib import cost
 from railvib.forces.rail_integrals import rail_integrals
 from railvib.forces.smooth_receptance import Load, Reduced, remove_fast_phases
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.frequency_interpolation import interpolate, interpolate_blocks
 from railvib.numerics.refinement import search_level, search_levels
 from railvib.parameters.track import Track
 from railvib.transfer.nodes import largest_wavenumber
@@ -72,7 +73,7 @@ class Receptances:
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Interpolate to frequencies (n,) in Hz; below the tables the static limit; (n, distances), m/N."""
         above = np.maximum(frequency, blocks.edges(int(self.block.min()))[0])
-        return blocks.across(self.block, self.level, above, self.receptance)
+        return interpolate_blocks(self.block, self.level, above, self.receptance)
 
 
 def tabulate_receptances(
@@ -143,7 +144,7 @@ class _Samples:
     ) -> Callable[[int, bool], tuple[tuple[Reduced, float], bool]]:
         """Compute receptances at a level and half-way, and return the check of a block."""
         good_enough = _DIRECT_SHARE * self._tolerance
-        halfway = {block: blocks.halfway(block, level, _CHECKS) for block in pending}
+        halfway = {block: blocks.halfway_indices(block, level, _CHECKS) for block in pending}
         self._compute(
             *((level, blocks.indices(block, level)) for block in pending),
             *((level + 1, places) for places in halfway.values()),
@@ -198,8 +199,8 @@ def _stored(reduced: Reduced, tabulated: np.ndarray, error: float, tolerance: fl
     def check(level: int, _required: bool) -> tuple[_Block, bool]:
         frequency = blocks.frequency(level, blocks.indices(block, level))
         receptance = tabulated if level == reduced.level else reduced.at(frequency)
-        between = blocks.frequency(level + 1, blocks.halfway(block, level, _STORED_CHECKS))
-        interpolated = blocks.interpolated(block, level, between, receptance)
+        between = blocks.frequency(level + 1, blocks.halfway_indices(block, level, _STORED_CHECKS))
+        interpolated = interpolate(block, level, between, receptance)
         further = _largest_error(interpolated, reduced.at(between))
         table = _Block(block, level, error + further, frequency, receptance)
         return table, further <= (_STORED_SHARE - _DIRECT_SHARE) * tolerance

@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics.vector_math import turned
+from railvib.numerics.frequency_interpolation import interpolate
+from railvib.numerics.vector_math import phasors
 from railvib.parameters.track import Track
 from railvib.transfer.track_response import track_response
 from railvib.transfer.transfer_function import TransferFunction
@@ -48,14 +49,14 @@ class Load(NamedTuple):
             response[beyond] = track_response(self.track, beta[beyond], static[beyond], 0.0)[0]
         angle = beta[:, None] * self.distance
         share = (response.imag * beta / np.pi)[:, None] * angle / (1.0 + angle**2)
-        return np.asarray(share * turned(angle))
+        return np.asarray(share * phasors(angle))
 
     def phase(self, frequency: np.ndarray, slowness: float) -> np.ndarray:
         """Return e^{iωs'|d|} of waves of a slowness in s/m, complex (n, m)."""
         ahead = slowness / max(1.0 - slowness * self.speed, _SMALLEST_DENOMINATOR)
         behind = slowness / (1.0 + slowness * self.speed)
         delay = np.where(self.distance > 0.0, ahead, behind) * np.abs(self.distance)
-        return turned(2.0 * np.pi * frequency[:, None] * delay)
+        return phasors(2.0 * np.pi * frequency[:, None] * delay)
 
 
 class Reduced(NamedTuple):
@@ -78,7 +79,7 @@ class Reduced(NamedTuple):
 
     def without_sign_change(self, frequency: np.ndarray) -> np.ndarray:
         """Interpolate receptances without T to frequencies (n,) inside the block, Hz: (n, m)."""
-        value = blocks.interpolated(self.block, self.level, frequency, self.rows)
+        value = interpolate(self.block, self.level, frequency, self.rows)
         if self.slowness > 0.0:
             value *= self.load.phase(frequency, self.slowness).conj()
         return np.asarray(value)

@@ -14,7 +14,7 @@ import numpy as np
 from railvib import cost
 from railvib.forces._kernels.axle_system import solve
 from railvib.forces.receptance import Receptances
-from railvib.numerics.vector_math import turned
+from railvib.numerics.vector_math import phasors
 from railvib.parameters.vehicle import Train, Vehicle, chain_flexibilities, train_receptance
 
 _MOST_GROWTH = 1e3
@@ -140,7 +140,7 @@ def _layout(train: Train) -> _Layout:
 
 def axle_phases(train: Train, frequency: np.ndarray, speed: float) -> np.ndarray:
     """Return w̃_l = e^{iβα_l} with β = ω/v (Eq. 20, 21), shape (frequencies, axles)."""
-    return turned(2.0 * np.pi / speed * frequency[:, None] * train.axle_positions)
+    return phasors(2.0 * np.pi / speed * frequency[:, None] * train.axle_positions)
 
 
 def axle_numbers(train: Train) -> np.ndarray:

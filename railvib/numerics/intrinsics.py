@@ -18,12 +18,13 @@ _WIDTH = 8
 """Numbers in a vector; the compiler maps them to the registers that the processor has."""
 
 
-def _intrinsic(function: Callable[..., Any]) -> Callable[..., Any]:
+def intrinsic(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Make a function of a typing context and types one that kernels can call, as Numba asks for."""
     compiled: Callable[..., Any] = extending.intrinsic(function)
     return compiled
 
 
-@_intrinsic
+@intrinsic
 def bits(typingctx: Any, value: Any) -> Any:
     """Return the 64 bits of a double as an integer."""
 
@@ -33,7 +34,7 @@ def bits(typingctx: Any, value: Any) -> Any:
     return types.int64(types.float64), codegen
 
 
-@_intrinsic
+@intrinsic
 def double(typingctx: Any, value: Any) -> Any:
     """Return the double that has these 64 bits."""
 
@@ -52,7 +53,7 @@ def row_subtraction(lanes: int) -> Callable[..., Any]:
     after every store.
     """
 
-    @_intrinsic
+    @intrinsic
     def subtract_row(typingctx: Any, real: Any, imag: Any, target: Any, source: Any, factor: Any) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             vector = ir.VectorType(_DOUBLE, lanes)
@@ -91,7 +92,7 @@ def bilinear_sum(
     parts = 2 * columns // _WIDTH
     vector, pairs = ir.VectorType(_DOUBLE, _WIDTH), ir.VectorType(_DOUBLE, _WIDTH // 2)
 
-    @_intrinsic
+    @intrinsic
     def sum_bilinear(typingctx: Any, value: Any, start: Any, width: Any, weight: Any, lane: Any) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             values = _data(context, builder, signature, args, 0)
@@ -148,7 +149,7 @@ def square_moments(terms: int, node: Sequence[float], weight: Sequence[float]) -
     nodes = len(node)
     vector = ir.VectorType(_DOUBLE, nodes)
 
-    @_intrinsic
+    @intrinsic
     def add_square_moments(typingctx: Any, series: Any, start: Any, plane: Any, place: Any, sums: Any) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             numbers = _data(context, builder, signature, args, 0)

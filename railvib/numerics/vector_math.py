@@ -28,7 +28,7 @@ LANES = 64
 
 
 @inline
-def exp(x):
+def exp(x: float) -> float:
     """Return e^x for −700 < x < 700."""
     t = x * LOG2E + MAGIC
     n = t - MAGIC
@@ -47,17 +47,18 @@ def exp(x):
     p = p * r + 0.5
     p = p * r + 1.0
     p = p * r + 1.0
-    return p * double((bits(t) << np.int64(52)) + np.int64(ONE_BITS))
+    power: float = double((bits(t) << np.int64(52)) + np.int64(ONE_BITS))
+    return p * power
 
 
 @inline
-def log(x):
+def log(x: float) -> float:
     """Return ln x of a normal x > 0."""
     pattern = bits(x)
     # The exponent that leaves a factor between √½ and √2, by the bits of √½; then ln m = 2 artanh s.
     up = (pattern - np.int64(ROOT_HALF_BITS)) >> np.int64(52)
-    m = double(pattern - (up << np.int64(52)))
-    n = double(up + np.int64(MAGIC_BITS)) - MAGIC
+    m: float = double(pattern - (up << np.int64(52)))
+    n: float = double(up + np.int64(MAGIC_BITS)) - MAGIC
     s = (m - 1.0) / (m + 1.0)
     z = s * s
     p = 1.0 / 21.0
@@ -74,7 +75,7 @@ def log(x):
 
 
 @inline
-def cos_sin(x):
+def cos_sin(x: float) -> tuple[float, float]:
     """Return (cos x, sin x) for abs(x) < 1e6."""
     t = x * TWO_OVER_PI + MAGIC
     n = t - MAGIC
@@ -105,7 +106,7 @@ def cos_sin(x):
 
 
 @inline
-def power_turned(x, y):
+def exp2_cispi(x: float, y: float) -> tuple[float, float]:
     """Return real and imaginary part of 2^x·e^{iπy} for x < 1000, abs(y) < 1e6; x is cut at −1000.
 
     With r and s what is left of x and y beyond the nearest integers, 2^r = (a + b)/(a − b) with
@@ -130,20 +131,20 @@ def power_turned(x, y):
 
 
 @inline
-def rough_log2(x):
+def rough_log2(x: float) -> float:
     """Return log2 of a normal x > 0, or up to 0.09 less: straight lines between powers of two."""
     return float(bits(x)) * 2.0**-52 - 1023.0
 
 
 @inline
-def reciprocal(z):
+def reciprocal(z: complex) -> complex:
     """Return 1/z of a complex z without the branches of a general division; |z|² must not overflow."""
     scale = 1.0 / (z.real * z.real + z.imag * z.imag)
     return complex(z.real * scale, -z.imag * scale)
 
 
 @inline
-def root(z):
+def root(z: complex) -> complex:
     """Return the square root of a complex z with a real part that is not negative."""
     size = np.sqrt(z.real * z.real + z.imag * z.imag)
     big = np.sqrt(0.5 * (size + abs(z.real)))
@@ -153,15 +154,15 @@ def root(z):
     return complex(real, imag if z.imag >= 0.0 else -imag)
 
 
-def turned(angle: np.ndarray) -> np.ndarray:
+def phasors(angle: np.ndarray) -> np.ndarray:
     """Return e^{i·angle} of angles below 1e6; NumPy's complex exponential takes several times as long."""
     value = np.empty((*angle.shape, 2))
-    _turned(np.ascontiguousarray(angle, float).ravel(), value.ravel())
+    _write_phasors(np.ascontiguousarray(angle, float).ravel(), value.ravel())
     return value.view(complex)[..., 0]
 
 
 @fused_kernel
-def _turned(angle, value):
+def _write_phasors(angle: np.ndarray, value: np.ndarray) -> None:
     """Write cosine and sine in turn."""
     for i in range(angle.shape[0]):
         value[2 * i], value[2 * i + 1] = cos_sin(angle[i])

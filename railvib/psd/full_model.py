@@ -24,9 +24,8 @@ from typing import NamedTuple
 import numpy as np
 
 from railvib import cost
-from railvib.numerics import frequency_blocks as blocks
-from railvib.numerics import threads
-from railvib.numerics.vector_math import turned
+from railvib.numerics import frequency_interpolation, threads
+from railvib.numerics.vector_math import phasors
 from railvib.numerics.wavenumber_panels import FROM_POWERS, ORDER
 from railvib.parameters.receiver import Receiver
 from railvib.psd._kernels.averages import panel_sums
@@ -128,7 +127,7 @@ def _integrate(
 ) -> tuple[list[np.ndarray], int]:
     """Return ∫ |H̃|² |A|² dκ of each receiver at some lines, (lines,), and how many values that took."""
     stencils = {
-        level: blocks.stencils(group.block, level, frequency)
+        level: frequency_interpolation.stencils(group.block, level, frequency)
         for level in {squares.level for squares in group.squares}
     }
     panels = [squares.panels[stencils[squares.level][0]] for squares in group.squares]
@@ -206,7 +205,7 @@ class _Weights:
         """Return the parts of A for the lines from one on; receivers with other nodes need them too."""
         if self._amplitude is None or self._amplitude[0] != first:
             f = self._frequency[first : first + _LINES_AT_ONCE]
-            phase = turned(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
+            phase = phasors(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
             self._amplitude = first, self._excited.amplitude_parts(phase)
         return self._amplitude[1]
 

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.frequency_interpolation import interpolate, interpolate_blocks
 from railvib.numerics.refinement import search_levels
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.receiver import Receiver
@@ -68,7 +69,7 @@ class LineIntegrals:
 
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Interpolate to frequencies (n,) in Hz inside the blocks; (n, distances), m³/N²."""
-        return blocks.across(self.grid.block, self.grid.level, frequency, self.integral)
+        return interpolate_blocks(self.grid.block, self.grid.level, frequency, self.integral)
 
 
 def line_integrals(
@@ -145,7 +146,7 @@ def _block(
 
     def tabulate(level: int, pending: Sequence[Receiver]) -> Callable[[Receiver, bool], tuple[_Block, bool]]:
         # All together: receivers that share their nodes share much of the work.
-        ks, halfway = blocks.indices(block, level), blocks.halfway(block, level, _CHECKS)
+        ks, halfway = blocks.indices(block, level), blocks.halfway_indices(block, level, _CHECKS)
         f, between = blocks.frequency(level, ks), blocks.frequency(level + 1, halfway)
         values = _at_level(
             {receiver: functions[receiver] for receiver in pending}, distance, block, level, ks, halfway
@@ -153,7 +154,7 @@ def _block(
 
         def check(receiver: Receiver, _required: bool) -> tuple[_Block, bool]:
             tabulated, direct = values[receiver][: f.size], values[receiver][f.size :]
-            interpolated = blocks.interpolated(block, level, between, tabulated)
+            interpolated = interpolate(block, level, between, tabulated)
             error = float((np.abs(interpolated - direct) / direct[:, :1]).max())
             return _Block(block, level, error, f, tabulated), error <= _SHARE * tolerance
 

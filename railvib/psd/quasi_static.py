@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from railvib import cost
-from railvib.numerics.vector_math import turned
+from railvib.numerics.vector_math import phasors
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
@@ -64,7 +64,7 @@ def quasi_static_spectra(
     """
     kappa = 2.0 * np.pi * frequency / speed
     with cost.stage("quasi-static") as spent:
-        load = turned(kappa[:, None] * axle_position) @ axle_load / speed
+        load = phasors(kappa[:, None] * axle_position) @ axle_load / speed
         psd = {
             receiver: np.abs(receivers[receiver].along(frequency, kappa) * load) ** 2
             * 2.0

@@ -9,7 +9,7 @@ from railvib.errors import InputError
 from railvib.parameters.ground import Ground
 from railvib.soil.quadrature import strip_compliance_by_quadrature
 from railvib.soil.rational_fit import RationalFit, fit_flexibility
-from railvib.soil.strip import strip_compliances
+from railvib.soil.strip import strip_compliance
 
 _FIT_TOLERANCE = 3e-12
 """Tighter than the tables' fits: one value can afford it, and far out C is 1e-6 of what it is at the load."""
@@ -78,10 +78,7 @@ def line_compliance(
         for distance in np.unique(np.abs(y[f == each])):
             here = (f == each) & (np.abs(y) == distance)
             if fit.error <= _ACCEPTED:
-                real, imag = strip_compliances(
-                    np.abs(beta[here]), fit.pole, fit.residue, fit.constant, half_width, np.array([distance])
-                )
-                out[here] = real[0] + 1j * imag[0]
+                out[here] = strip_compliance(fit, np.abs(beta[here]), half_width, np.array([distance]))[0]
             else:
                 out[here] = [
                     strip_compliance_by_quadrature(ground, half_width, b, [distance], float(each))[0]

@@ -10,60 +10,15 @@ smooth at ρ = 0: q_zz (which is Q33), q_rr, q_tt, q_d = (q_rr − q_tt)/ρ² an
 
     Q_xx = q_tt + β² q_d    Q_xy = βγ q_d    Q_yy = q_tt + γ² q_d    Q_xz = iβ q_c    Q_yz = iγ q_c
 
-with Q_zx = −Q_xz and Q_zy = −Q_yz. Symbols as in `railvib.soil.flexibility`; see docs/theory/ground.md.
+with Q_zx = −Q_xz and Q_zy = −Q_yz. See docs/theory/ground.md.
 """
-
-import cmath
 
 import numpy as np
 import numpy.typing as npt
 
 from railvib.errors import InputError
-from railvib.numerics.jit import kernel
 from railvib.parameters.ground import Ground
-from railvib.soil.flexibility import psv_flexibility
-
-ZZ, RR, TT, RZ = range(4)
-"""Columns of `surface_components`."""
-
-
-@kernel
-def sh_flexibility(r, omega, stack, rigid):
-    """Return q_tt of one wavenumber r, Re r ≥ 0, at omega ≥ 0 rad/s [m/Pa]; `stack` is that of `Ground`."""
-    q = 0j  # displacement per stress on the top of what lies below
-    last = stack.shape[0] - 1
-    for layer in range(last, -1, -1):
-        cs = stack[layer, 0]
-        loss = 1.0 + 1j * stack[layer, 3] if omega > 0.0 else 1.0 + 0j
-        m = stack[layer, 2] * cs * cs * loss
-        s = cmath.sqrt(r * r - omega * omega / (cs * cs * loss))
-        if layer == last and not rigid:
-            q = 1.0 / (m * s)
-            continue
-        # tanh(sh)/s, also where s vanishes.
-        h = stack[layer, 4]
-        x = s * h
-        if abs(x) < 1e-3:
-            t = h * (1.0 - x * x / 3.0 * (1.0 - 0.4 * x * x))
-        else:
-            e = cmath.exp(-2.0 * x)
-            t = (1.0 - e) / (1.0 + e) / s
-        q = (q + t / m) / (1.0 + q * m * s * s * t)
-    return q
-
-
-@kernel
-def surface_components(r, omega, stack, rigid):
-    """Return q_zz, q_rr, q_tt and q_rz/i of many wavenumbers r (n,), all at one frequency, as (4, n)."""
-    out = np.empty((4, r.shape[0]), np.complex128)
-    for i in range(r.shape[0]):
-        q11, q12, q21, q22 = psv_flexibility(r[i], omega, stack, rigid)
-        out[ZZ, i] = -q22
-        out[RR, i] = -q11
-        out[TT, i] = sh_flexibility(r[i], omega, stack, rigid)
-        # Equal by reciprocity; their mean loses no digit.
-        out[RZ, i] = -0.5 * (q12 + q21)
-    return out
+from railvib.soil._kernels.layers import RR, RZ, TT, ZZ, surface_components
 
 
 def ground_flexibility_tensor(

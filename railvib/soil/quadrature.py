@@ -13,7 +13,7 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from railvib.parameters.ground import Ground
-from railvib.soil.flexibility import complex_flexibilities, surface_flexibilities
+from railvib.soil._kernels.layers import complex_flexibilities, surface_flexibilities
 
 _COARSE_NODE, _COARSE_WEIGHT = legendre.leggauss(10)
 _FINE_NODE, _FINE_WEIGHT = legendre.leggauss(21)

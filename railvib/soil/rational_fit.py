@@ -13,8 +13,8 @@ import numpy as np
 from railvib.numerics import threads
 from railvib.parameters.ground import Ground
 from railvib.soil._kernels.barycentric import partial_fraction_errors
+from railvib.soil._kernels.layers import surface_flexibilities
 from railvib.soil.barycentric import Start, common_poles, fit_range, residues
-from railvib.soil.flexibility import surface_flexibilities
 
 _MOST_TERMS = 220
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from railvib.numerics import threads
 from railvib.parameters.ground import Ground
+from railvib.soil._kernels.layers import RR, RZ, TT, ZZ, surface_components
 from railvib.soil.barycentric import Start, common_poles, fit_range, residues, residues_through_zero
-from railvib.soil.flexibility_tensor import RR, RZ, TT, ZZ, surface_components
 
 _MOST_TERMS = 120
 

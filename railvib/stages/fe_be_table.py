@@ -60,5 +60,5 @@ class FeBeTable(TransferTable):
 def _compile() -> None:
     strip = np.array([0.0, 1.0])
     fit = fit_tensor(library.load("soil", "horstwalde"), 1.0, 1e-2)
-    strip_flexibility(strip, fit.pole, fit.residue, fit.constant, strip)
-    receiver_flexibility(strip, fit.pole, fit.residue, fit.constant, strip, strip)
+    strip_flexibility(fit, strip, strip)
+    receiver_flexibility(fit, strip, strip, strip)

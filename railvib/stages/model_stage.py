@@ -58,4 +58,4 @@ class ModelStage(Stage):
 def blocks_over(bands: Bands) -> range:
     """Return the blocks that cover one-third octaves; lines just beyond the last edge lie in its halo."""
     lower, upper = third_octaves.edges(bands)
-    return blocks.covering(float(lower[0]), float(upper[-1]))
+    return blocks.between(float(lower[0]), float(upper[-1]))

@@ -55,7 +55,7 @@ class QuasiStaticResponse(ModelStage):
         highest = highest_quasi_static_frequency(self.ground, self.track, receiver, self.speed)
         # One block at least: without any, a transfer function cannot return zero.
         top = min(upper[-1], max(highest, upper[0]))
-        return receiver_tables(self, receiver, blocks.covering(float(lower[0]), float(top)))
+        return receiver_tables(self, receiver, blocks.between(float(lower[0]), float(top)))
 
     def needs(self) -> list[Stage]:
         """Return the tables of all receivers."""

@@ -8,9 +8,10 @@ from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
+from railvib.soil._kernels.strip import strip_compliances
 from railvib.soil.fits import GroundFits
 from railvib.soil.quadrature import strip_compliance_by_quadrature
-from railvib.soil.strip import strip_compliances
+from railvib.soil.strip import strip_compliance
 from railvib.transfer._kernels.track import multiply_by_force
 from railvib.transfer.track_response import track_response
 
@@ -100,10 +101,8 @@ def compliance_error(fits: GroundFits, track: Track, reach: float, tolerance: fl
             fit = fits.at(0, k)
             for beta in 2.0 * np.pi * f / fits.ground.slowest_speed * np.array([0.05, 0.7, 1.2]):
                 direct = strip_compliance_by_quadrature(fits.ground, b, beta, offsets, f, 1e-2 * tolerance)
-                real, imag = strip_compliances(
-                    np.array([beta]), fit.pole, fit.residue, fit.constant, b, offsets
-                )
+                compliance = strip_compliance(fit, np.array([beta]), b, offsets)[:, 0]
                 size = np.maximum(np.abs(direct), 1e-8 * np.abs(direct[0]))
-                worst = max(worst, float((np.abs(real[:, 0] + 1j * imag[:, 0] - direct) / size).max()))
+                worst = max(worst, float((np.abs(compliance - direct) / size).max()))
                 spent.evaluations += 1
     return worst

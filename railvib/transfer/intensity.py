@@ -13,6 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics import frequency_interpolation
 from railvib.numerics.frequency_blocks import STENCIL
 from railvib.numerics.refinement import MOST_LEVELS, search_level
 from railvib.numerics.wavenumber_panels import ORDER, WEIGHT
@@ -42,7 +43,7 @@ def group_by_nodes(
     """Yield receivers whose tables have the same nodes, their block, and which frequencies lie in it."""
     groups: dict[tuple[int, Nodes, bytes], list[Receiver]] = {}
     for receiver, function in receivers.items():
-        block_of = blocks.assigned(frequency, function.blocks)
+        block_of = blocks.nearest_block(frequency, function.blocks)
         for block in np.unique(block_of):
             # Tables may end at different blocks, whose halos then serve the frequencies beyond.
             rows = np.flatnonzero(block_of == block)
@@ -76,7 +77,9 @@ def square_level(
     tolerance
         Relative error allowed, beside that of the table.
     """
-    stencils = blocks.stencils(table.block, table.level, blocks.frequency(table.level + 1, place))
+    stencils = frequency_interpolation.stencils(
+        table.block, table.level, blocks.frequency(table.level + 1, place)
+    )
     error = _error(stencils, _square(table.transfer), _square(direct), negligible)
     if error <= tolerance:
         return table.level
@@ -103,7 +106,7 @@ def _error(
     size = np.maximum(direct, _SMALL * direct.max(axis=1, keepdims=True))
     # The table's own error leaves this much in the square of a negligible function.
     size = np.maximum(size, np.sqrt(direct) * negligible[:, None])
-    return float((np.abs(blocks.combined(*stencils, rows) - direct) / size).max())
+    return float((np.abs(frequency_interpolation.combine_rows(*stencils, rows) - direct) / size).max())
 
 
 def interpolate_squares(
@@ -128,7 +131,9 @@ def interpolate_squares(
     value = np.empty((len(functions), frequency.size, functions[0].blocks[block].transfer.shape[1]))
     for out, function in zip(value, functions, strict=True):
         tabulated = squares(function, block)
-        blocks.combined(*blocks.stencils(block, tabulated.level, frequency), tabulated.value, out)
+        frequency_interpolation.combine_rows(
+            *frequency_interpolation.stencils(block, tabulated.level, frequency), tabulated.value, out
+        )
     return value
 
 
@@ -190,7 +195,7 @@ def _evaluate(table: TransferBlock, track: Track | None, frequency: np.ndarray) 
     """Return |H̃|² of a receiver at frequencies of a block, interpolated from its table, (n, node)."""
     edge = table.nodes.panel_edges(frequency)
     omega = 2.0 * np.pi * frequency
-    stencils = blocks.stencils(table.block, table.level, frequency)
+    stencils = frequency_interpolation.stencils(table.block, table.level, frequency)
     compliance = table.shared.compliance
     if track is None or compliance is None:
         value = np.ones((frequency.size, table.transfer.shape[1]))

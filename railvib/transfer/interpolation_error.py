@@ -14,6 +14,7 @@ import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.frequency_blocks import STENCIL
+from railvib.numerics.frequency_interpolation import combine_rows, stencils
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
@@ -50,8 +51,8 @@ class Places(NamedTuple):
 
 def halfway_places(block: int, level: int, number: int) -> Places:
     """Return a number of places across a block."""
-    place = blocks.halfway(block, level, number)
-    first, weight = blocks.stencils(block, level, blocks.frequency(level + 1, place))
+    place = blocks.halfway_indices(block, level, number)
+    first, weight = stencils(block, level, blocks.frequency(level + 1, place))
     rows = np.unique(first[:, None] + np.arange(STENCIL))
     return Places(
         block, level, place, blocks.indices(block, level)[rows], np.searchsorted(rows, first), weight
@@ -100,7 +101,7 @@ class HalfwayCheck:
             return
         rows = np.array(compliance)
         self._inverse_force = 1.0 / track_response(track, self._row_beta, self._row_omega[:, None], rows)[1]
-        under = blocks.combined(places.first, places.weight, rows)
+        under = combine_rows(places.first, places.weight, rows)
         self._rail, self._force = track_response(track, self._beta, self._omega[:, None], under)
         self._centre = self._force * under
 

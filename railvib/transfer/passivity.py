@@ -15,7 +15,7 @@ from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.soil.barycentric import Start
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.strip import strip_compliances
+from railvib.soil.strip import strip_compliance
 from railvib.transfer.track_response import track_response
 
 _STEPS_PER_OCTAVE = 12
@@ -107,8 +107,6 @@ def _direct_receptance(
     edge = np.concatenate([waves, np.geomspace(waves[-1], waves[-1] + 30.0 * bending, _PANELS // 5)[1:]])
     half = 0.5 * np.diff(edge)[:, None]
     beta = (0.5 * (edge[1:] + edge[:-1])[:, None] + half * _NODE).ravel()
-    real, imag = strip_compliances(
-        beta, fit.pole, fit.residue, fit.constant, track.half_width, np.array([0.0])
-    )
-    response, _force = track_response(track, beta, omega, real[0] + 1j * imag[0])
+    compliance = strip_compliance(fit, beta, track.half_width, np.array([0.0]))[0]
+    response, _force = track_response(track, beta, omega, compliance)
     return complex((response * (half * _WEIGHT).ravel()).sum() / np.pi), fit.start

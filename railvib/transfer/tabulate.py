@@ -13,7 +13,7 @@ import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.refinement import Panels, divide, halve, search_levels
-from railvib.numerics.wavenumber_panels import nodes_between, unresolved
+from railvib.numerics.wavenumber_panels import nodes_between, series_tails
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import CENTRE, Receiver
 from railvib.parameters.track import Track
@@ -127,7 +127,7 @@ def _resolve_nodes(evaluate: Evaluation, tolerance: float, refinement: int) -> N
         beta = nodes_between(edge.reshape(ks.size, -1, 2)).reshape(ks.size, -1)
         values = np.array([evaluate(0, int(k), row) for k, row in zip(ks, beta, strict=True)])
         np.maximum(peak, np.abs(values).max(axis=2), out=peak)
-        bad = unresolved(values) > _RESOLVED * tolerance * peak[..., None]
+        bad = series_tails(values) > _RESOLVED * tolerance * peak[..., None]
         return panels.low, np.asarray(bad.any(axis=(0, 1)))
 
     low = np.concatenate([part for _panels, part in halve(Panels.between(first), check, _MOST_HALVINGS)])
@@ -204,7 +204,7 @@ def _tables(
         level: int, pending: Sequence[Receiver]
     ) -> Callable[[Receiver, bool], tuple[TransferBlock | None, bool]]:
         samples.evaluate(level, blocks.indices(block, level), pending)
-        samples.evaluate(level + 1, blocks.halfway(block, level, _CHECKS), pending)
+        samples.evaluate(level + 1, blocks.halfway_indices(block, level, _CHECKS), pending)
 
         def check(receiver: Receiver, required: bool) -> tuple[TransferBlock | None, bool]:
             table = _table(samples, receiver_class, level, receiver, required)

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics import frequency_interpolation
 from railvib.parameters.track import Track
 from railvib.transfer._kernels.waves import interpolate_with_waves, multiply_by_waves
 from railvib.transfer.interpolate import Tables, interpolate, join
@@ -66,7 +67,7 @@ class TransferFunction:
         beta = table.nodes.wavenumber(frequency)
 
         def to_places(rows: np.ndarray) -> np.ndarray:
-            return blocks.interpolated(block, table.level, frequency, rows)
+            return frequency_interpolation.interpolate(block, table.level, frequency, rows)
 
         def with_waves(rows: np.ndarray) -> np.ndarray:
             value = to_places(rows)
@@ -131,7 +132,7 @@ class TransferFunction:
             m²/N.
         """
         beta = np.abs(wavenumber)
-        block_of = blocks.assigned(frequency, self.blocks)
+        block_of = blocks.nearest_block(frequency, self.blocks)
         value = np.zeros(beta.shape, complex)
         for block in np.unique(block_of):
             table = self.blocks[int(block)]
@@ -156,7 +157,7 @@ def _at_points(
 
     def with_waves(rows: np.ndarray) -> np.ndarray:
         value = interpolate_with_waves(
-            *blocks.stencils(table.block, table.level, frequency),
+            *frequency_interpolation.stencils(table.block, table.level, frequency),
             rows.view(float),
             table.nodes.panel_edges(frequency),
             2.0 * np.pi * frequency,

@@ -14,7 +14,7 @@ from functools import cache
 from importlib import metadata, resources
 from pathlib import Path
 
-from railvib.soil.flexibility import surface_flexibility
+from railvib.soil._kernels.layers import surface_flexibility
 from railvib.stages.stage import Stage
 from sweep import identity
 from sweep.host import host_class

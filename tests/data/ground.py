@@ -16,7 +16,7 @@ from scipy.special import j0, roots_legendre
 
 from benchmarks.peers import stiffness_matrices
 from railvib import library
-from railvib.soil.flexibility import surface_flexibilities
+from railvib.soil._kernels.layers import surface_flexibilities
 from tests.consistency.reference import damped, rows, soil
 
 PANELS_PER_WAVE = 4

@@ -10,7 +10,7 @@ from scipy.special import iti0k0
 
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.track import Track
-from railvib.soil.flexibility import surface_flexibility
+from railvib.soil._kernels.layers import surface_flexibility
 from railvib.transfer.track_response import track_response
 from tests.physics.long_arithmetic import Long, solve
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railvib.fe_be.boundary_elements import graded
+from railvib.fe_be.boundary_elements import graded_edges
 from railvib.fe_be.coupling import columns, strip_edges
 from railvib.fe_be.model import fe_be_blocks, fe_be_response
 from railvib.fe_be.solid_bed import CondensedBed, SolidBed
@@ -137,7 +137,12 @@ def test_coupling_by_whole_matrices(greby, track):
 def test_track_on_soil_equals_finite_elements_with_pml(greby, track, beta, frequency):
     section = CrossSection(elements=6, rows=2)
     whole = GroundSection(
-        greby, graded(track.half_width, 6), beta, frequency, Extent(5.0, 5.0, 8.0, 0.5), (track, section)
+        greby,
+        graded_edges(track.half_width, 6),
+        beta,
+        frequency,
+        Extent(5.0, 5.0, 8.0, 0.5),
+        (track, section),
     )
     found = fe_be_response(greby, track, section, frequency, beta)
     assert abs(found.rail[0] / whole.rail(track) - 1.0) < 0.01

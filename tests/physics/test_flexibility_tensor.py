@@ -5,8 +5,9 @@ import pytest
 
 from railvib.errors import InputError
 from railvib.parameters.ground import Ground, Layer
-from railvib.soil.flexibility import ground_flexibility, psv_flexibility
-from railvib.soil.flexibility_tensor import ground_flexibility_tensor, sh_flexibility, surface_components
+from railvib.soil._kernels.layers import psv_flexibility, sh_flexibility, surface_components
+from railvib.soil.flexibility import ground_flexibility
+from railvib.soil.flexibility_tensor import ground_flexibility_tensor
 from tests.consistency.reference import damped, rows
 from tests.physics.judges import psv_by_global_matrix, random_ground
 

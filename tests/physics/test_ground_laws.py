@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from railvib.parameters.ground import Ground, Layer
-from railvib.soil.flexibility import ground_flexibility, surface_flexibility
+from railvib.soil._kernels.layers import surface_flexibility
+from railvib.soil.flexibility import ground_flexibility
 from tests.physics.judges import flexibility_by_global_matrix, random_ground
 
 STACKS = range(40)

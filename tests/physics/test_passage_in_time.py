@@ -20,8 +20,8 @@ from railvib.parameters.vehicle import Train
 from railvib.psd.excitation import excitation
 from railvib.psd.full_model import passage_spectra
 from railvib.psd.quasi_static import quasi_static_spectra
+from railvib.soil._kernels.strip import strip_compliances
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.strip import strip_compliances
 from railvib.transfer.track_response import track_response
 
 SPEED = 40.0

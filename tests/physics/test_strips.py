@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from railvib.fe_be.boundary_elements import graded, receiver_flexibility, strip_flexibility
+from railvib.fe_be._kernels import boundary_elements as kernels
+from railvib.fe_be.boundary_elements import graded_edges, receiver_flexibility, strip_flexibility
 from railvib.soil.flexibility_tensor import ground_flexibility_tensor
 from railvib.soil.quadrature import strip_compliance_by_quadrature
 from railvib.soil.tensor_fit import fit_tensor
@@ -16,14 +17,12 @@ ALONG_IS_TURNED = 1j  # û_x = u_x/i and f̂_x = f_x/i
 
 def strips(ground, edge, beta, frequency, reach=50.0):
     fit = fit_tensor(ground, frequency, largest=reach / np.diff(edge).min())
-    return strip_flexibility(np.array([beta]), fit.pole, fit.residue, fit.constant, edge)[0]
+    return strip_flexibility(fit, np.array([beta]), edge)[0]
 
 
 def receivers(ground, edge, beta, frequency, offset):
     fit = fit_tensor(ground, frequency, 1e-10, largest=50.0 / np.diff(edge).min())
-    return receiver_flexibility(
-        np.array([beta]), fit.pole, fit.residue, fit.constant, edge, np.asarray(offset, float)
-    )[0]
+    return receiver_flexibility(fit, np.array([beta]), edge, np.asarray(offset, float))[0]
 
 
 def turned(matrix):
@@ -72,7 +71,7 @@ def test_strips_equal_quadrature(greby, beta, frequency):
 
 
 def test_matrix_is_symmetric(greby):
-    matrix = strips(greby, graded(B, 6), 0.7, 30.0)
+    matrix = strips(greby, graded_edges(B, 6), 0.7, 30.0)
     np.testing.assert_allclose(matrix, matrix.T, rtol=0.0, atol=1e-12 * abs(matrix).max())
 
 
@@ -138,7 +137,8 @@ def test_rigid_strip_converges_at_the_rate_of_its_grading(greby, horstwalde, bet
     for ground in (greby, horstwalde):
         judged = rigid_strip(ground, beta, frequency)
         error = [
-            abs(rigid_by_strips(ground, graded(B, n), beta, frequency) / judged - 1.0) for n in (4, 8, 16)
+            abs(rigid_by_strips(ground, graded_edges(B, n), beta, frequency) / judged - 1.0)
+            for n in (4, 8, 16)
         ]
         assert error[1] < 1.2e-3
         rate = np.log2(error[0] / error[2]) / 2.0
@@ -155,7 +155,7 @@ def test_equal_strips_converge_like_their_width(greby):
 
 def test_truncation_in_wavenumber(greby):
     """What the fit's range leaves out: its error falls like 1/range², and is below 1e-5 where it is set."""
-    edge = graded(B, 8)
+    edge = graded_edges(B, 8)
     n = edge.size - 1
 
     def compliance(reach):
@@ -183,12 +183,15 @@ def test_compiled_equals_plain(greby):
     fit = fit_tensor(greby, 20.0, 1e-4)
     edge, beta = np.array([0.0, 1.0, B]), np.array([0.0, 2.0])
     arguments = (beta, fit.pole, fit.residue, fit.constant, edge)
-    compiled = strip_flexibility(*arguments)
+    compiled = kernels.strip_flexibility(*arguments)
     np.testing.assert_allclose(
-        strip_flexibility.py_func(*arguments), compiled, rtol=0.0, atol=1e-12 * abs(compiled).max()
+        kernels.strip_flexibility.py_func(*arguments), compiled, rtol=0.0, atol=1e-12 * abs(compiled).max()
     )
     offset = np.array([0.5, 4.0])
-    compiled = receiver_flexibility(*arguments, offset)
+    compiled = kernels.receiver_flexibility(*arguments, offset)
     np.testing.assert_allclose(
-        receiver_flexibility.py_func(*arguments, offset), compiled, rtol=0.0, atol=1e-12 * abs(compiled).max()
+        kernels.receiver_flexibility.py_func(*arguments, offset),
+        compiled,
+        rtol=0.0,
+        atol=1e-12 * abs(compiled).max(),
     )

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from railvib.numerics._kernels.panels import fourier_integrals
 from railvib.numerics.jit import kernel
-from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals
+from railvib.numerics.wavenumber_panels import ORDER
 
 
 @kernel

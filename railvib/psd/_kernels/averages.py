@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from railvib.numerics.frequency_blocks import combine
+from railvib.numerics._kernels.lagrange import combine, lagrange_weights
+from railvib.numerics._kernels.panels import fourier_integrals
 from railvib.numerics.jit import inline, kernel, reduction_kernel
-from railvib.numerics.wavenumber_panels import ORDER, fourier_integrals, lagrange_weights
+from railvib.numerics.wavenumber_panels import ORDER
 
 _NEGLIGIBLE = 1e-14
 """Share of ∫ |H̃|² below which a panel is skipped."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from railvib.numerics.frequency_blocks import combine
+from railvib.numerics._kernels.lagrange import combine
 from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import LANES, exp
 from railvib.numerics.wavenumber_panels import NODE, ORDER

@@ -7,11 +7,12 @@ has a row for each quantity, and a column for each of these points.
 
 import numpy as np
 
+from railvib.numerics._kernels.lagrange import panel_weights, stencil_weights
 from railvib.numerics.frequency_blocks import HALO, PER_DECADE, SHIFT, STENCIL
 from railvib.numerics.intrinsics import bilinear_sum
 from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import LANES, exp, log
-from railvib.numerics.wavenumber_panels import ORDER, panel_weights, stencil_weights
+from railvib.numerics.wavenumber_panels import ORDER
 
 _DECADE = np.log(10.0)
 _FREQUENCY, _BETA = 0, 1

@@ -5,10 +5,12 @@ Complex arrays hold real and imaginary parts in turn, (n, 2·m).
 
 import numpy as np
 
+from railvib.numerics._kernels.lagrange import panel_weights
+from railvib.numerics._kernels.panels import count_below
 from railvib.numerics.frequency_blocks import STENCIL
 from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import cos_sin, exp
-from railvib.numerics.wavenumber_panels import NODE, ORDER, count_below, panel_weights
+from railvib.numerics.wavenumber_panels import NODE, ORDER
 
 MOST_DECAY = 60.0
 """Exponent at which the decay of a reference wave is cut off."""

@@ -7,9 +7,9 @@ from benchmarks.limit.counting import Count
 from benchmarks.limit.operations import count_operations
 from benchmarks.peers.fourier_grid import OFFSETS
 from railvib.numerics.vector_math import LANES, reciprocal
-from railvib.soil.flexibility import surface_flexibilities
+from railvib.soil._kernels.layers import surface_flexibilities
+from railvib.soil._kernels.strip import strip_compliances
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.strip import strip_compliances
 
 
 def test_a_reciprocal():

@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.peers import stiffness_matrices
 from benchmarks.runs import soils
-from railvib.soil.flexibility import surface_flexibilities
+from railvib.soil._kernels.layers import surface_flexibilities
 
 WAYS = [stiffness_matrices.by_linear_algebra, stiffness_matrices.by_elimination]
 

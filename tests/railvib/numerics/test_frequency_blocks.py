@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.frequency_interpolation import interpolate
 
 
 def test_edges_meet_and_are_those_of_one_third_octaves():
@@ -19,7 +20,7 @@ def test_levels_are_nested(block, level):
     np.testing.assert_allclose(blocks.frequency(level, k), blocks.frequency(level + 1, 2 * k), rtol=1e-14)
     inside = blocks.frequency(level, k)[blocks.HALO : -blocks.HALO]
     np.testing.assert_allclose(inside[[0, -1]], blocks.edges(block), rtol=1e-13)
-    halfway = blocks.halfway(block, level, 5)
+    halfway = blocks.halfway_indices(block, level, 5)
     assert np.all(halfway % 2 == 1)
     low, high = blocks.edges(block)
     assert np.all(
@@ -38,13 +39,13 @@ def test_interpolation_is_exact_for_seventh_degree_in_ln_f(level):
         t = np.log10(x) - 0.75
         return np.stack([1.0 + t - 3.0 * t**5 + 2j * t**7, t**6 + 0j * t], axis=1)
 
-    value = blocks.interpolated(1, level, f, polynomial(tabulated))
+    value = interpolate(1, level, f, polynomial(tabulated))
     np.testing.assert_allclose(value, polynomial(f), rtol=0, atol=1e-11)
 
 
 def test_every_frequency_has_a_block():
     f = np.array([0.001, 0.5, 1.0, 10**0.05, 3.0, 20.0, 1e4])
-    which = blocks.assigned(f, range(-3, 4))
+    which = blocks.nearest_block(f, range(-3, 4))
     np.testing.assert_array_equal(which, [-3, -1, -1, 0, 0, 2, 3])
     for each, block in zip(f[1:-1], which[1:-1], strict=True):
         low, high = blocks.edges(int(block))

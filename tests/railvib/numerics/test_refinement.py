@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railvib.numerics.refinement import Panels, divide, halve, search_level, search_levels
-from railvib.numerics.wavenumber_panels import WEIGHT, nodes_between, unresolved
+from railvib.numerics.wavenumber_panels import WEIGHT, nodes_between, series_tails
 
 ERRORS = {"rough": 1.0, "smooth": 1e-3, "hopeless": 1e9}
 """Of items at level 0; each level divides them by ten."""
@@ -89,7 +89,7 @@ def test_panels_are_halved_where_they_do_not_resolve():
     def evaluate(panels):
         counts.append(panels.low.size)
         value = peak(nodes_between(panels.edges).reshape(panels.low.size, -1))
-        return value, unresolved(value)[:, 0] > 1e-9
+        return value, series_tails(value)[:, 0] > 1e-9
 
     parts = list(halve(Panels.between(np.array([0.0, 0.5, 1.0])), evaluate, 20))
     assert counts[0] == 2
@@ -97,7 +97,7 @@ def test_panels_are_halved_where_they_do_not_resolve():
     value = np.concatenate([value for _part, value in parts])
     integral = ((value @ WEIGHT) * 0.5 * (high - low)).sum()
     assert integral == pytest.approx(np.arctan(70.0) + np.arctan(30.0), rel=1e-9)
-    assert unresolved(value).max() <= 1e-9
+    assert series_tails(value).max() <= 1e-9
     narrow = high - low < 0.02
     assert narrow.any()
     assert np.all(np.abs(low[narrow] - 0.3) < 0.1)

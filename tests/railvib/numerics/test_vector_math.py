@@ -3,7 +3,7 @@
 import numba
 import numpy as np
 
-from railvib.numerics.vector_math import cos_sin, exp, log, power_turned, rough_log2, turned
+from railvib.numerics.vector_math import cos_sin, exp, exp2_cispi, log, phasors, rough_log2
 
 
 @numba.njit
@@ -52,7 +52,7 @@ def test_logarithm():
 def _powers_turned(x, y):
     real, imag = np.empty(x.size), np.empty(x.size)
     for i in range(x.size):
-        real[i], imag[i] = power_turned(x[i], y[i])
+        real[i], imag[i] = exp2_cispi(x[i], y[i])
     return real + 1j * imag
 
 
@@ -84,4 +84,4 @@ def test_rough_logarithm():
 
 def test_turned():
     angle = np.linspace(-2e4, 2e4, 60_000).reshape(3, -1)
-    np.testing.assert_allclose(turned(angle), np.exp(1j * angle), rtol=0, atol=4e-16)
+    np.testing.assert_allclose(phasors(angle), np.exp(1j * angle), rtol=0, atol=4e-16)

@@ -7,15 +7,16 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import spherical_jn
 
-from railvib.numerics import wavenumber_panels
+from railvib.numerics._kernels import lagrange, panels
+from railvib.numerics._kernels.panels import fourier_integrals
 from railvib.numerics.frequency_blocks import STENCIL
-from railvib.numerics.wavenumber_panels import NODE, ORDER, fourier_integrals, nodes_between, unresolved
+from railvib.numerics.wavenumber_panels import NODE, ORDER, nodes_between, series_tails
 
 
 def test_spherical_bessel():
     x = np.array([8.0, 8.7, 11.9, 12.1, 80.0, 3000.0])
     out = np.empty((ORDER, x.size))
-    wavenumber_panels._spherical_bessel(0.5, 2.0 * x, out)
+    panels._spherical_bessel(0.5, 2.0 * x, out)
     expected = [spherical_jn(n, x) for n in range(ORDER)]
     # Of j_n small against 1 the absolute error counts: they multiply Legendre coefficients.
     np.testing.assert_allclose(out, expected, rtol=1e-12, atol=1e-14)
@@ -24,7 +25,7 @@ def test_spherical_bessel():
 def test_panel_weights_are_exact_for_polynomials():
     x = np.array([-1.0, -0.3, 0.0, 0.999, float(NODE[3])])
     weight = np.empty((ORDER, x.size))
-    wavenumber_panels.panel_weights(x.size, x, weight, np.empty(x.size))
+    lagrange.panel_weights(x.size, x, weight, np.empty(x.size))
     for degree in range(ORDER):
         np.testing.assert_allclose(NODE**degree @ weight, x**degree, rtol=0.0, atol=1e-13)
     np.testing.assert_array_equal(weight[:, -1] == 0.0, np.arange(ORDER) != 3)  # on a node, that one alone
@@ -33,7 +34,7 @@ def test_panel_weights_are_exact_for_polynomials():
 def test_stencil_weights_are_exact_for_polynomials():
     t = np.array([0.0, 3.0, 4.5, 8.999999, 9.0])
     weight = np.empty((STENCIL, t.size))
-    wavenumber_panels.stencil_weights(t.size, t, weight, np.empty(t.size))
+    lagrange.stencil_weights(t.size, t, weight, np.empty(t.size))
     for degree in range(STENCIL):
         np.testing.assert_allclose(
             (np.arange(STENCIL) / 9.0) ** degree @ weight, (t / 9.0) ** degree, rtol=0.0, atol=1e-12
@@ -69,6 +70,6 @@ def test_fourier_integrals_are_added():
 def test_unresolved_panels():
     beta = nodes_between(np.array([0.0, 1.0, 2.0]))
     value = np.where(beta < 1.0, beta**5, np.abs(beta - 1.4))
-    size = unresolved(value)
+    size = series_tails(value)
     assert size[0] < 1e-14
     assert size[1] > 1e-3

@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 
 from railvib.parameters.ground import Ground
-from railvib.soil.flexibility import (
-    ground_flexibility,
-    psv_flexibility,
-    surface_flexibilities,
-    surface_flexibility,
-)
+from railvib.soil._kernels.layers import psv_flexibility, surface_flexibilities, surface_flexibility
+from railvib.soil.flexibility import ground_flexibility
 
 
 @pytest.mark.parametrize("base", ["half-space", "rigid"])

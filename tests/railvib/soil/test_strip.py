@@ -6,8 +6,8 @@ import pytest
 from benchmarks.limit.operations import count_operations
 from benchmarks.sections.transfer import wavenumbers
 from railvib import library
+from railvib.soil._kernels.strip import CLIP, NEGLIGIBLE, STRETCH, strip_compliances
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.strip import CLIP, NEGLIGIBLE, STRETCH, strip_compliances
 
 B = 1.6
 OFFSETS = np.array([0.0, 0.9, B, 8.0, 100.0])

@@ -6,7 +6,7 @@ from scipy.optimize import brentq, newton
 
 from railvib.errors import InputError
 from railvib.parameters.ground import Ground, Layer
-from railvib.soil.flexibility import surface_flexibility
+from railvib.soil._kernels.layers import surface_flexibility
 from railvib.soil.rational_fit import fit_flexibility
 from railvib.soil.surface_waves import surface_wave_speeds
 from railvib.transfer.critical_speed import critical_speed

@@ -5,7 +5,7 @@ import pytest
 
 from railvib.parameters.ground import Ground
 from railvib.soil import tensor_fit
-from railvib.soil.flexibility_tensor import RR, RZ, TT, ZZ, surface_components
+from railvib.soil._kernels.layers import RR, RZ, TT, ZZ, surface_components
 from railvib.soil.tensor_fit import fit_tensor
 from tests.physics.judges import random_ground
 

@@ -39,7 +39,7 @@ def test_receivers_are_grouped_by_their_nodes(functions):
     f = np.array([0.5, 3.0, 20.0])
     groups = [(set(members), block, lines.tolist()) for members, block, lines in group_by_nodes(functions, f)]
     near = {receiver for receiver in RECEIVERS if receiver != Receiver(20.0)}
-    for block, line in zip(blocks.assigned(f, range(-3, 3)).tolist(), range(3), strict=True):
+    for block, line in zip(blocks.nearest_block(f, range(-3, 3)).tolist(), range(3), strict=True):
         assert (near, block, [line]) in groups
         assert ({Receiver(20.0)}, block, [line]) in groups
     assert len(groups) == 6

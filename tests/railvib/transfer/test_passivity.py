@@ -13,7 +13,7 @@ from railvib.plausibility import check_contact
 from railvib.psd.line_integrals import line_integrals
 from railvib.soil.quadrature import adaptive_integral
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.strip import strip_compliances
+from railvib.soil.strip import strip_compliance
 from railvib.transfer.passivity import nonpassive_ranges
 from railvib.transfer.track_response import track_response
 from tests.physics.judges import random_ground
@@ -68,10 +68,8 @@ def direct_line_integral(track, ground, frequency):
     fit = fit_flexibility(ground, frequency, 1e-10)
 
     def squared(beta):
-        real, imag = strip_compliances(
-            beta, fit.pole, fit.residue, fit.constant, track.half_width, np.array([0.0])
-        )
-        return np.abs(track_response(track, beta, omega, real[0] + 1j * imag[0])[0])[:, None] ** 2 / np.pi
+        compliance = strip_compliance(fit, beta, track.half_width, np.array([0.0]))[0]
+        return np.abs(track_response(track, beta, omega, compliance)[0])[:, None] ** 2 / np.pi
 
     peak = np.linspace(1.6, 2.1, 200)
     edges = np.unique(np.concatenate([np.linspace(0.0, 20.0, 60), peak, np.linspace(20.0, 100.0, 20)]))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.numerics.frequency_interpolation import interpolate
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.receiver import Receiver
 from railvib.transfer.intensity import squares_at_level
@@ -23,14 +24,14 @@ def test_receivers_of_a_class_share_the_forces_on_the_ground(functions, track):
     np.testing.assert_array_equal(shared.inverse_force(None), 1.0)
     between = TransferFunction([near], track), TransferFunction([far], track)
     shared.squared_forces.clear()
-    level, ks = near.level + 1, blocks.halfway(1, near.level, 3)
+    level, ks = near.level + 1, blocks.halfway_indices(1, near.level, 3)
     values = [squares_at_level(function, 1, level, ks) for function in between]
     ((key, squared_force),) = shared.squared_forces.items()
     assert key[0] == track
     f = blocks.frequency(level, ks)
     beta, transfer = between[0].at(1, f)
     np.testing.assert_allclose(values[0], np.abs(transfer) ** 2, rtol=1e-9, atol=1e-12 * values[0].max())
-    compliance = blocks.interpolated(1, near.level, f, shared.compliance)
+    compliance = interpolate(1, near.level, f, shared.compliance)
     _rail, force = track_response(track, beta, 2.0 * np.pi * f[:, None], compliance)
     np.testing.assert_allclose(squared_force, np.abs(force) ** 2, rtol=1e-9)
 

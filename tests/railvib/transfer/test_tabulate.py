@@ -51,7 +51,7 @@ def test_the_error_that_a_table_states_is_that_of_what_is_read_from_it(receiver,
     """Half-way between its frequencies, against direct values, with another code that interpolates."""
     for block in (-3, 0, 2):
         table = functions[receiver].blocks[block]
-        places = blocks.halfway(block, table.level, 5)
+        places = blocks.halfway_indices(block, table.level, 5)
         f = blocks.frequency(table.level + 1, places)
         beta, interpolated = functions[receiver].at(block, f)
         offset = receiver.offset or 0.0
