@@ -146,8 +146,8 @@ def check_contact(ground: Ground, track: Track, lowest: float, highest: float) -
         warnings.warn(
             f"the contact of track and ground is not passive at {spans} Hz (Im of the rail's receptance is "
             "positive): the load is uniform over a contact width that exceeds half a wavelength "
-            "there, and levels from there on are not to be trusted; a narrower contact_width_m or a lower "
-            "maximum frequency avoids it",
+            'there, and levels from there on are not to be trusted; coupling = "mean" on the track, a '
+            "narrower contact_width_m or a lower maximum frequency avoids it",
             PlausibilityWarning,
             stacklevel=3,
         )

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from railvib.parameters.track import Track
+
 Key = str | float
 """How a receiver stands in identities and stored records: ``"rail"``, or the offset in m."""
 
@@ -54,10 +56,9 @@ class Receiver:
         """What receivers are sorted by: the rail first, then by offset."""
         return -1.0 if self.offset is None else self.offset
 
-    @property
-    def under_track(self) -> bool:
-        """Whether it is on the rail or at the centre line, where the track follows the ground."""
-        return not self.offset
+    def follows(self, track: Track) -> bool:
+        """Return whether its displacement is that of the rail, or of the ground that the track follows."""
+        return self.on_rail or (self.offset == 0.0 and not track.follows_mean)
 
     @property
     def label(self) -> str:

@@ -5,9 +5,9 @@ stiffness is multiplied by 1 + iη sgn ω.
 """
 
 from collections.abc import Iterator
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from railvib.errors import InputError
 from railvib.parameters.validation import LossFactor, Number, Parameters
@@ -16,6 +16,15 @@ STIFFEST_ONE_RAIL = 7e6
 """N·m²; the bending stiffness of one heavy rail is below, of two light ones above."""
 HEAVIEST_ONE_RAIL = 80.0
 """kg/m, in the same way."""
+
+
+Coupling = Literal["centre", "mean"]
+"""What of the ground's displacement a track follows: the centre line's, or the mean over its width."""
+
+
+def _none_if_centre(coupling: Coupling | None) -> Coupling | None:
+    """Return None for the coupling that tracks had before it could be chosen, so that their ids stay."""
+    return None if coupling == "centre" else coupling
 
 
 class TrackLayer(Parameters):
@@ -52,6 +61,10 @@ class Track(Parameters):
     """Loss factor of the rail pads."""
     contact_width: Number = Field(alias="contact_width_m", ge=0.1, le=100.0)
     """Width 2b over which the track presses on the ground, m."""
+    coupling: Annotated[Coupling | None, AfterValidator(_none_if_centre)] = None
+    """``"mean"``: the track follows the ground's mean displacement over the contact width; ``"centre"`` or
+    None: that of the centre line, as in the paper. None is also what ``"centre"`` becomes.
+    """
     layers: tuple[TrackLayer, ...] = Field(default=(), max_length=20)
     """From the sleepers or the slab down: ballast, sub-ballast, embankment."""
     sleeper_mass: Number | None = Field(default=None, alias="sleeper_mass_kg_m", ge=0.0, le=1e5)
@@ -104,6 +117,11 @@ class Track(Parameters):
     def half_width(self) -> float:
         """Half the contact width b, m."""
         return 0.5 * self.contact_width
+
+    @property
+    def follows_mean(self) -> bool:
+        """Whether the track follows the ground's mean displacement over the contact width."""
+        return self.coupling == "mean"
 
     @property
     def bed(self) -> tuple[TrackLayer, ...]:

@@ -66,13 +66,13 @@ class BlockFits(Generic[Fit]):
 
 
 class GroundFits(BlockFits[RationalFit]):
-    """The fits of Q33 of one ground over one block to a tolerance."""
+    """The fits of Q33 of one ground over one block to a tolerance, up to a wavenumber or further."""
 
-    def __init__(self, ground: Ground, block: int, tolerance: float) -> None:
+    def __init__(self, ground: Ground, block: int, tolerance: float, largest: float = 0.0) -> None:
         def fit(frequency: float, start: Start | None) -> RationalFit:
             return warm_or_cold(
                 "fit",
-                lambda start: fit_flexibility(ground, frequency, tolerance, start),
+                lambda start: fit_flexibility(ground, frequency, tolerance, start, largest),
                 start,
                 10.0 * tolerance,
             )

@@ -121,14 +121,8 @@ def strip_compliance_by_quadrature(
     omega = 2.0 * np.pi * frequency
     stack = ground.stack()
     rigid = ground.base == "rigid"
-    speeds = np.array(list(ground.wave_speeds()))
-    slowest = omega / ground.slowest_speed
-    # Past the propagating modes, and past the evanescent ones of stiff layers on soft ones, which lie within
-    # a few 1/h.
-    thinnest = min(
-        (layer.thickness for layer in ground.layers if layer.thickness is not None), default=np.inf
-    )
-    turn = max(1.5 * np.sqrt(max(slowest**2 - beta**2, 0.0)), 0.5 * slowest, 0.5 * beta, 3.0 / thinnest)
+    longest = max(float(y.max()) + b, b)
+    turn, edges = _panels(ground, beta, omega, longest)
 
     def along(gamma: np.ndarray) -> np.ndarray:
         q = surface_flexibilities(np.sqrt(beta**2 + gamma**2), omega, stack, rigid)
@@ -150,11 +144,6 @@ def strip_compliance_by_quadrature(
                 out[:, i] += np.sign(length) * (upper * wave - lower * wave.conj())
         return out
 
-    marks = np.concatenate([omega / speeds, [0.0]])
-    breaks = np.sqrt(np.maximum(marks**2 - beta**2, 0.0))
-    longest = max(float(y.max()) + b, b)
-    panels = max(int(turn * longest / 6.0), 4)
-    edges = np.unique(np.concatenate([breaks[breaks < turn], np.linspace(0.0, turn, panels + 1)]))
     centre = np.argmin(y)
     floor = np.where(
         np.arange(y.size) == centre, 0.0, 1e-12 * abs(adaptive_integral(along, edges, 1e-3, 1e-300)[centre])
@@ -162,3 +151,69 @@ def strip_compliance_by_quadrature(
     real_axis = adaptive_integral(along, edges, tolerance, floor)
     floor = np.maximum(np.abs(real_axis), floor)
     return np.asarray(real_axis + adaptive_integral(beyond, np.linspace(1e-9, 1.0, 9), tolerance, floor))
+
+
+def strip_mean_by_quadrature(
+    ground: Ground, half_width: float, wavenumber: float, frequency: float, tolerance: float = 1e-9
+) -> complex:
+    """Return the mean of C(β, y, ω) over the strip by direct quadrature over γ, m²/N.
+
+    Parameters
+    ----------
+    ground, half_width, wavenumber, frequency
+        As in `strip_compliance_by_quadrature`.
+    tolerance
+        Relative error allowed.
+
+    Notes
+    -----
+    (1/2π) ∫ Q33(√(β²+γ²)) [sin(γb)/(γb)]² dγ.
+    """
+    b = half_width
+    beta = abs(wavenumber)
+    omega = 2.0 * np.pi * frequency
+    stack = ground.stack()
+    rigid = ground.base == "rigid"
+    turn, edges = _panels(ground, beta, omega, 2.0 * b)
+
+    def along(gamma: np.ndarray) -> np.ndarray:
+        q = surface_flexibilities(np.sqrt(beta**2 + gamma**2), omega, stack, rigid)
+        return np.asarray((q * np.sinc(gamma * b / np.pi) ** 2)[:, None] / np.pi)
+
+    def beyond(t: np.ndarray) -> np.ndarray:
+        # As for the strip, with [sin(γb)/(γb)]² = (2 − e^{2iγb} − e^{−2iγb})/(4γ²b²).
+        gamma = turn + (1.0 + 1.0j) * (1.0 - t) / t
+        wave = 1.0 - np.exp(2.0j * gamma * b)
+        upper = complex_flexibilities(np.sqrt(beta**2 + gamma**2), omega, stack, rigid)
+        lower = complex_flexibilities(np.sqrt(beta**2 + gamma.conj() ** 2), omega, stack, rigid)
+        upper *= (1.0 + 1.0j) * wave / gamma**2
+        lower *= (1.0 - 1.0j) * wave.conj() / gamma.conj() ** 2
+        return np.asarray(((upper + lower) / (4.0 * np.pi * b**2 * t**2))[:, None])
+
+    real_axis = adaptive_integral(along, edges, tolerance)
+    tail = adaptive_integral(beyond, np.linspace(1e-9, 1.0, 9), tolerance, np.abs(real_axis))
+    return complex(real_axis[0] + tail[0])
+
+
+def _panels(ground: Ground, beta: float, omega: float, longest: float) -> tuple[float, np.ndarray]:
+    """Return where the path leaves the real axis, rad/m, and the first edges of panels up to there.
+
+    Parameters
+    ----------
+    ground, beta, omega
+        The ground, β in rad/m and ω in rad/s.
+    longest
+        Distance whose phase is the fastest over γ, m.
+    """
+    slowest = omega / ground.slowest_speed
+    # Past the propagating modes, and past the evanescent ones of stiff layers on soft ones, which lie within
+    # a few 1/h.
+    thinnest = min(
+        (layer.thickness for layer in ground.layers if layer.thickness is not None), default=np.inf
+    )
+    turn = max(1.5 * np.sqrt(max(slowest**2 - beta**2, 0.0)), 0.5 * slowest, 0.5 * beta, 3.0 / thinnest)
+    marks = np.concatenate([omega / np.array(list(ground.wave_speeds())), [0.0]])
+    breaks = np.sqrt(np.maximum(marks**2 - beta**2, 0.0))
+    panels = max(int(turn * longest / 6.0), 4)
+    edges = np.unique(np.concatenate([breaks[breaks < turn], np.linspace(0.0, turn, panels + 1)]))
+    return turn, edges

@@ -4,12 +4,17 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import numpy as np
+
 from railvib import library
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.receiver import RAIL, Receiver
+from railvib.parameters.track import Track
 from railvib.parameters.vehicle import Train
+from railvib.soil.rational_fit import fit_flexibility
 from railvib.stages.graph import case_spectra, evaluate
 from railvib.stages.transfer_table import TransferTable
+from railvib.transfer.compliance_under_track import compliance_under_track
 from railvib.transfer.intensity import squares
 from railvib.transfer.transfer_function import TransferFunction
 
@@ -35,3 +40,6 @@ def warm_up() -> None:
         if isinstance(stage, TransferTable):
             finer = replace(table, square_level=table.level + 1)
             squares(TransferFunction([finer], stage.track), finer.block)
+    fit = fit_flexibility(case["ground"], 1.0, 1e-4)
+    following = Track(**{**case["track"].model_dump(), "coupling": "mean"})
+    compliance_under_track(fit, np.zeros(1), following)

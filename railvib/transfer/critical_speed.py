@@ -5,7 +5,7 @@ import numpy as np
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.strip import strip_compliance
+from railvib.transfer.compliance_under_track import compliance_under_track
 from railvib.transfer.track_response import track_response
 
 
@@ -22,7 +22,7 @@ def critical_speed(ground: Ground, track: Track, maximum_frequency: float = 100.
         fit = fit_flexibility(ground, float(frequency), 1e-6, start)
         start = fit.start
         speed = np.linspace(3.0, 0.3, 400) * ground.slowest_speed
-        compliance = strip_compliance(fit, omega / speed, track.half_width, np.array([0.0]))[0]
+        compliance = compliance_under_track(fit, omega / speed, track)
         rail, _force = track_response(track, omega / speed, omega, compliance)
         size = np.abs(rail)
         peak = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:])) + 1

@@ -8,10 +8,10 @@ from railvib import cost
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
-from railvib.soil._kernels.strip import strip_compliances
+from railvib.soil._kernels.strip import strip_compliances, strip_means
 from railvib.soil.fits import GroundFits
-from railvib.soil.quadrature import strip_compliance_by_quadrature
-from railvib.soil.strip import strip_compliance
+from railvib.soil.quadrature import strip_compliance_by_quadrature, strip_mean_by_quadrature
+from railvib.soil.strip import strip_compliance, strip_mean
 from railvib.transfer._kernels.track import multiply_by_force
 from railvib.transfer.track_response import track_response
 
@@ -24,8 +24,9 @@ class Evaluation:
     offsets
         Distances from the centre line, m, ascending from 0.
     compliance
-        C(β, 0) of the last evaluation, on which the track is put exactly between frequencies. None for a
-        model without it, whose transfer functions are interpolated themselves.
+        What the track follows in the last evaluation, C(β, 0) or the mean of C(β, y), on which it is put
+        exactly between frequencies. None for a model without it, whose transfer functions are interpolated
+        themselves.
     failed
         Frequencies without a good fit, Hz.
     """
@@ -50,12 +51,15 @@ class Evaluation:
         b = self.track.half_width
         with cost.stage("transfer functions") as spent:
             if fit.error <= 1e-2 * self.tolerance:
-                real, imag = strip_compliances(beta, fit.pole, fit.residue, fit.constant, b, self.offsets)
+                rational = fit.pole, fit.residue, fit.constant, b
+                real, imag = strip_compliances(beta, *rational, self.offsets)
+                mean = strip_means(beta, *rational) if self.track.follows_mean else None
             else:
                 self.failed.add(f)
-                compliance = self._by_quadrature(f, beta)
+                compliance, mean = self._by_quadrature(f, beta)
                 real, imag = compliance.real, compliance.imag
-            self.compliance = real[0] + 1j * imag[0]
+            under = (real[0], imag[0]) if mean is None else mean
+            self.compliance = under[0] + 1j * under[1]
             rail, force = track_response(self.track, beta, 2.0 * np.pi * f, self.compliance)
             spent.evaluations += beta.size
             spent.kernel_calls += 1
@@ -64,15 +68,23 @@ class Evaluation:
             multiply_by_force(real, imag, force.view(float), values[1:].view(float))
         return values
 
-    def _by_quadrature(self, frequency: float, wavenumber: np.ndarray) -> np.ndarray:
-        """Return C(β, y) at the offsets, complex (offsets, n)."""
+    def _by_quadrature(
+        self, frequency: float, wavenumber: np.ndarray
+    ) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+        """Return C(β, y) at the offsets, complex (offsets, n), and both parts of its mean if that counts."""
         ground, b, tolerance = self.fits.ground, self.track.half_width, 1e-3 * self.tolerance
-        return np.array(
+        compliance = np.array(
             [
                 strip_compliance_by_quadrature(ground, b, beta, self.offsets, frequency, tolerance)
                 for beta in wavenumber
             ]
         ).T
+        if not self.track.follows_mean:
+            return compliance, None
+        mean = np.array(
+            [strip_mean_by_quadrature(ground, b, beta, frequency, tolerance) for beta in wavenumber]
+        )
+        return compliance, (mean.real, mean.imag)
 
 
 Model = Callable[[GroundFits, Track, Iterable[float], float], Evaluation]
@@ -81,6 +93,8 @@ Model = Callable[[GroundFits, Track, Iterable[float], float], Evaluation]
 
 def compliance_error(fits: GroundFits, track: Track, reach: float, tolerance: float) -> float:
     """Return the largest relative error of C(β, y) against direct quadrature, at both ends of a class.
+
+    For a track that follows it, also that of the mean over the strip.
 
     Parameters
     ----------
@@ -104,5 +118,8 @@ def compliance_error(fits: GroundFits, track: Track, reach: float, tolerance: fl
                 compliance = strip_compliance(fit, np.array([beta]), b, offsets)[:, 0]
                 size = np.maximum(np.abs(direct), 1e-8 * np.abs(direct[0]))
                 worst = max(worst, float((np.abs(compliance - direct) / size).max()))
+                if track.follows_mean:
+                    mean = strip_mean_by_quadrature(fits.ground, b, beta, f, 1e-2 * tolerance)
+                    worst = max(worst, abs(strip_mean(fit, np.array([beta]), b)[0] / mean - 1.0))
                 spent.evaluations += 1
     return worst

@@ -202,12 +202,12 @@ def _evaluate(table: TransferBlock, track: Track | None, frequency: np.ndarray) 
     else:
         forces = table.shared.squared_forces
         key = track, frequency.tobytes()
-        under_track = table.point.under_track
-        if under_track or key not in forces:
+        follows = table.point.follows(track)
+        if follows or key not in forces:
             rail, centre, force = squares_on_track(
                 *stencils, _floats(compliance), edge, omega, *track_parameters(track)
             )
-            if under_track:
+            if follows:
                 return np.asarray(rail if table.point.on_rail else centre)
             forces[key] = force.copy()
         value = forces[key].copy()

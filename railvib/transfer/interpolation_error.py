@@ -94,7 +94,7 @@ class HalfwayCheck:
         self._row_beta = nodes.wavenumber(frequency)
         self._slowness = np.linspace(0.0, _SLOWEST / TOP * nodes.top_slowness, _SLOWNESS_COUNT)
         self._direct_centre = np.array(centre)
-        self._on_track = compliance is not None
+        self._track = track if compliance is not None else None
         if compliance is None:
             self._inverse_force = np.ones(self._row_beta.shape, complex)
             self._force = np.ones(self._beta.shape, complex)
@@ -136,7 +136,7 @@ class HalfwayCheck:
         """
         panels = direct.shape[1] // ORDER
         size = np.maximum(np.abs(direct), self.negligible(receiver, direct)[:, None])
-        if self._on_track and receiver.under_track:
+        if self._track is not None and receiver.follows(self._track):
             # No wave travels, and the track is put on exactly.
             interpolated = self._rail if receiver.on_rail else self._centre
             worst = float((np.abs(interpolated - direct) / size).max())

@@ -2,7 +2,8 @@
 
 The load on the ground is uniform over the width of the track, and the track follows the ground on the centre
 line. Where half a wavelength of the ground is shorter than half that width the two need not agree, and Im
-σ_R(0) may be positive: the model's receptance is then not that of any real contact.
+σ_R(0) may be positive: the model's receptance is then not that of any real contact. A track that follows the
+mean displacement over its width gives no energy at any frequency: the mean weighs Im Q33 < 0 with a square.
 """
 
 from collections.abc import Callable
@@ -15,7 +16,7 @@ from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.soil.barycentric import Start
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.strip import strip_compliance
+from railvib.transfer.compliance_under_track import compliance_under_track
 from railvib.transfer.track_response import track_response
 
 _STEPS_PER_OCTAVE = 12
@@ -42,7 +43,7 @@ def nonpassive_ranges(
     docs/conventions.md, ground and track. Twelve frequencies per octave are tried, and the ends of ranges
     are found to 0.1 %.
     """
-    if highest <= _passive_up_to(ground, track):
+    if track.follows_mean or highest <= _passive_up_to(ground, track):
         return []
     octave = 2.0 ** np.ceil(np.log2(highest))
     return [
@@ -107,6 +108,6 @@ def _direct_receptance(
     edge = np.concatenate([waves, np.geomspace(waves[-1], waves[-1] + 30.0 * bending, _PANELS // 5)[1:]])
     half = 0.5 * np.diff(edge)[:, None]
     beta = (0.5 * (edge[1:] + edge[:-1])[:, None] + half * _NODE).ravel()
-    compliance = strip_compliance(fit, beta, track.half_width, np.array([0.0]))[0]
+    compliance = compliance_under_track(fit, beta, track)
     response, _force = track_response(track, beta, omega, compliance)
     return complex((response * (half * _WEIGHT).ravel()).sum() / np.pi), fit.start

@@ -18,6 +18,7 @@ from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import CENTRE, Receiver
 from railvib.parameters.track import Track
 from railvib.soil.fits import GroundFits
+from railvib.soil.strip import mean_fit_reach
 from railvib.transfer.evaluation import Evaluation, Model, compliance_error
 from railvib.transfer.intensity import square_level
 from railvib.transfer.interpolation_error import HalfwayCheck, halfway_places
@@ -96,7 +97,8 @@ def transfer_blocks_by_class(
     So not all tables are in memory at once. Tables of a class that have the same frequencies refer to one
     `SharedTable`.
     """
-    fits = GroundFits(ground, block, 1e-6 * tolerance)
+    reach = mean_fit_reach(track.half_width) if track.follows_mean else 0.0
+    fits = GroundFits(ground, block, 1e-6 * tolerance, reach)
     model = evaluation or Evaluation
     classes: dict[float, set[Receiver]] = {}
     for receiver in receivers:

@@ -203,7 +203,7 @@ def _transfer(
     rail, force = track_response(track, wavenumber, omega, under)
     if table.point.on_rail:
         return rail
-    if table.offset == 0.0:
+    if table.point.follows(track):
         return np.asarray(force * under)
     force *= with_waves(table.reduced(track))
     return force

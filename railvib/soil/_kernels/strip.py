@@ -6,7 +6,12 @@ centre line, k = √(β² − z) with Re k > 0. Per pole
 
     y ≥ b:  e^{−k(y−b)} (1 − e^{−2kb})/(4 b k²)        y < b:  [2 − e^{−k(b+y)} − e^{−k(b−y)}]/(4 b k²)
 
-and the constant d contributes d/(2b) inside the strip and d/(4b) at its very edge.
+and the constant d contributes d/(2b) inside the strip and d/(4b) at its very edge. The mean of C(β, y) over
+the strip has per pole
+
+    [1 − (1 − e^{−2kb})/(2kb)]/(2 b k²)
+
+and d/(2b).
 
 Beyond the strip most poles count nothing beside the wave that is damped least. So at every wavenumber each
 pole has a reach, the distance from the strip beyond which its wave is passed over, as it is less than
@@ -16,7 +21,7 @@ that decay faster than that one are passed over.
 
 import numpy as np
 
-from railvib.numerics.jit import fused_kernel
+from railvib.numerics.jit import fused_kernel, inline
 from railvib.numerics.vector_math import exp2_cispi, rough_log2
 
 STRETCH = 32
@@ -29,6 +34,8 @@ FAR = 30.0
 """Distance from the strip in m at which the strongest wave is the one that the others are compared with."""
 LOG2E = 1.4426950408889634
 HALF_TURN = 0.3183098861837907  # 1/π
+SMALL = 0.01
+"""|2kb|² below which 1 − (1 − e^{−2kb})/(2kb) is taken from its series, as it would lose digits."""
 POWER, PHASE, INSIDE_REAL, INSIDE_IMAG, BEYOND_REAL, BEYOND_IMAG, REACH = range(7)
 """Rows per pole: doublings and half turns of e^{−k} per m; what stands before the exponentials inside the
 strip and beyond it; distance in m, and before it is known the logarithm of what stands before."""
@@ -157,3 +164,85 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
                 real[k, first + i] = at[found, i] + inside * (0.5 / b) * constant.real
                 imag[k, first + i] = at[found + 1, i] + inside * (0.5 / b) * constant.imag
     return real, imag
+
+
+@fused_kernel
+def strip_means(beta, pole, residue, constant, b):
+    """Return real and imaginary part of the mean of C(β, y) over the strip, each (wavenumbers,) [m²/N].
+
+    Parameters
+    ----------
+    beta, pole, residue, constant, b
+        As in `strip_compliances`.
+    """
+    n = beta.shape[0]
+    real = np.empty(n)
+    imag = np.empty(n)
+    total = np.empty((2, STRETCH))
+    square = np.empty(STRETCH)
+    share = np.empty((2, STRETCH))
+    before = np.empty((2, STRETCH))
+    half = 0.5 / b
+    for stretch in range((n + STRETCH - 1) // STRETCH):
+        first = stretch * STRETCH
+        count = n - first if n - first < STRETCH else STRETCH
+        for i in range(STRETCH):
+            # The last stretch is filled up with its first wavenumber.
+            own = beta[first + (i if i < count else 0)]
+            square[i] = own * own
+            total[0, i] = half * constant.real
+            total[1, i] = half * constant.imag
+        for j in range(pole.shape[0]):
+            zr = pole[j].real
+            wi = -pole[j].imag
+            ar = half * residue[j].real
+            ai = half * residue[j].imag
+            nearest = 1e300
+            for i in range(STRETCH):
+                # The root of k² = w, with one division for it, for 1/k² and for 1/k.
+                wr = square[i] - zr
+                size = wr * wr + wi * wi
+                modulus = np.sqrt(size)
+                big = np.sqrt(0.5 * (modulus + abs(wr)))
+                inverse = 1.0 / (size * big)
+                small = 0.5 * abs(wi) * (size * inverse)
+                inverse = inverse * big
+                kr = big if wr >= 0.0 else small
+                ki = small if wr >= 0.0 else big
+                ki = -ki if wi < 0.0 else ki
+                er, ei = exp2_cispi(-2.0 * b * LOG2E * kr, -2.0 * b * HALF_TURN * ki)
+                # 1 − (1 − e^{−2kb})/(2kb)
+                scale = half * modulus * inverse
+                share[0, i] = 1.0 - scale * ((1.0 - er) * kr - ei * ki)
+                share[1, i] = scale * ((1.0 - er) * ki + ei * kr)
+                # a/(2 b k²)
+                before[0, i] = (ar * wr + ai * wi) * inverse
+                before[1, i] = (ai * wr - ar * wi) * inverse
+            for i in range(STRETCH):
+                near = abs(square[i] - zr)
+                nearest = near if near < nearest else nearest
+            if 4.0 * b * b * max(nearest, abs(wi)) < SMALL:
+                for i in range(STRETCH):
+                    square_of_argument = 4.0 * b * b * complex(square[i] - zr, wi)
+                    if abs(square_of_argument) < SMALL:
+                        series = _share_of_small(np.sqrt(square_of_argument))
+                        share[0, i] = series.real
+                        share[1, i] = series.imag
+            for i in range(STRETCH):
+                total[0, i] += before[0, i] * share[0, i] - before[1, i] * share[1, i]
+                total[1, i] += before[0, i] * share[1, i] + before[1, i] * share[0, i]
+        for i in range(count):
+            real[first + i] = total[0, i]
+            imag[first + i] = total[1, i]
+    return real, imag
+
+
+@inline
+def _share_of_small(x):
+    """Return 1 − (1 − e^{−x})/x of a small x; the next term is 3e-13 of it."""
+    series = 1.0 / 5040.0 - x / 40320.0
+    series = 1.0 / 720.0 - x * series
+    series = 1.0 / 120.0 - x * series
+    series = 1.0 / 24.0 - x * series
+    series = 1.0 / 6.0 - x * series
+    return x * (0.5 - x * series)

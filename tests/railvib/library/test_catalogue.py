@@ -84,7 +84,7 @@ def test_names_of_unevenness_say_form_and_class():
         ("soil", "grebi", r"soil = 'grebi': is unknown; the nearest known is 'greby'"),
         ("train", "grona taget", "the nearest known is 'grona-taget'"),
         ("unevenness", "fra-hamid-yang-7", "the nearest known is 'fra-hamid-yang-"),
-        ("track", "qqqqq", "known are ballasted-paper, slab-example"),
+        ("track", "qqqqq", "known are ballasted-mean, ballasted-paper, slab-example"),
         ("soils", "greby", "kind = 'soils': must be one of soil, track"),
     ],
 )

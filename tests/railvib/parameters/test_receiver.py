@@ -35,8 +35,11 @@ def test_offsets_and_distances():
     ]
 
 
-def test_the_track_reaches_the_rail_and_the_centre_line():
-    assert [receiver.under_track for receiver in (RAIL, CENTRE, Receiver(1.0))] == [True, True, False]
+def test_the_track_reaches_the_rail_and_the_centre_line(track):
+    receivers = RAIL, CENTRE, Receiver(1.0)
+    assert [receiver.follows(track) for receiver in receivers] == [True, True, False]
+    mean = track.model_copy(update={"coupling": "mean"})
+    assert [receiver.follows(mean) for receiver in receivers] == [True, False, False]
 
 
 def test_the_rail_comes_first():

@@ -100,6 +100,7 @@ def test_rigid_ground_and_static_load():
         ({"form": "ballasted"}, "sleeper_mass_kg_m: is missing"),
         ({"rail_loss_factor": -0.1}, "rail_loss_factor"),
         ({"contact_width": 0.0}, "contact_width = 0"),
+        ({"coupling": "average"}, "coupling = 'average': should be 'centre' or 'mean'"),
         ({"gauge": 1.435}, "gauge"),
     ],
 )
@@ -112,3 +113,13 @@ def test_ballasted_track_needs_ballast():
     paper = library.load("track", "ballasted-paper").model_dump()
     with pytest.raises(InputError, match=r"layers = \[\]: a ballasted track needs"):
         Track(**{**paper, "layers": ()})
+
+
+def test_coupling_at_the_centre_is_what_tracks_had_before():
+    """An identity is made of what is not None: a track that says `centre` is the one that says nothing."""
+    paper = library.load("track", "ballasted-paper")
+    centre = Track(**{**paper.model_dump(), "coupling": "centre"})
+    assert centre == paper
+    assert centre.coupling is None
+    assert not centre.follows_mean
+    assert Track(**{**paper.model_dump(), "coupling": "mean"}).follows_mean

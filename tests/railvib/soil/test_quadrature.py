@@ -6,7 +6,11 @@ from scipy.integrate import quad
 
 from railvib.parameters.ground import Ground, Layer
 from railvib.soil.flexibility import ground_flexibility
-from railvib.soil.quadrature import adaptive_integral, strip_compliance_by_quadrature
+from railvib.soil.quadrature import (
+    adaptive_integral,
+    strip_compliance_by_quadrature,
+    strip_mean_by_quadrature,
+)
 
 B = 1.6
 
@@ -72,6 +76,23 @@ def test_strip_against_scipy(greby):
 
     c = strip_compliance_by_quadrature(greby, B, 0.4, [0.0], 12.0)[0]
     assert abs(c / complex(integral("real"), integral("imag")) - 1.0) < 1e-6
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.4, 2.0])
+def test_mean_against_scipy(beta, greby):
+    last = 200.0 * np.pi / B
+
+    def integral(part):
+        def integrand(gamma):
+            q = ground_flexibility(greby, np.hypot(beta, gamma), 12.0)
+            return getattr(q, part) * np.sinc(gamma * B / np.pi) ** 2 / np.pi
+
+        return quad(integrand, 0.0, last, limit=2000, epsabs=1e-18)[0]
+
+    # Beyond, the flexibility falls like 1/γ and sin²(γb) is 1/2 on average.
+    rest = ground_flexibility(greby, last, 12.0) / (4.0 * np.pi * B**2 * last)
+    c = strip_mean_by_quadrature(greby, B, beta, 12.0)
+    assert abs(c / (complex(integral("real"), integral("imag")) + rest) - 1.0) < 1e-7
 
 
 def test_strip_at_all_offsets_together(greby):

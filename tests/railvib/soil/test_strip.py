@@ -6,8 +6,10 @@ import pytest
 from benchmarks.limit.operations import count_operations
 from benchmarks.sections.transfer import wavenumbers
 from railvib import library
-from railvib.soil._kernels.strip import CLIP, NEGLIGIBLE, STRETCH, strip_compliances
+from railvib.soil._kernels.strip import CLIP, NEGLIGIBLE, STRETCH, strip_compliances, strip_means
+from railvib.soil.quadrature import strip_mean_by_quadrature
 from railvib.soil.rational_fit import fit_flexibility
+from railvib.soil.strip import mean_fit_reach, strip_compliance, strip_mean
 
 B = 1.6
 OFFSETS = np.array([0.0, 0.9, B, 8.0, 100.0])
@@ -144,3 +146,61 @@ def test_a_value_depends_on_its_own_wavenumber_and_offset_only(greby, track):
     np.testing.assert_array_equal(values(rows, columns), whole[:, rows[:, None], columns])
     for row in range(REACHES.size):
         np.testing.assert_array_equal(values([row], slice(7, 50)), whole[:, [row], 7:50])
+
+
+def mean_by_trapezoid(beta, pole, residue):
+    gamma = np.linspace(0.0, 400.0, 400_001)
+    values = residue / (beta**2 + gamma**2 - pole) * np.sinc(gamma * B / np.pi) ** 2
+    return np.trapezoid(values, gamma) / np.pi
+
+
+@pytest.mark.parametrize("pole", [0.5 - 0.1j, -3.0 + 0.5j, 0.02 - 0.02j])
+def test_mean_of_one_pole(pole):
+    beta = np.array([0.0, 0.4, 2.0])
+    real, imag = strip_means(beta, np.array([pole]), np.array([2.0 - 1.0j]), 3.0 - 2.0j, B)
+    expected = [mean_by_trapezoid(b, pole, 2.0 - 1.0j) + (3.0 - 2.0j) / (2.0 * B) for b in beta]
+    np.testing.assert_allclose(real + 1j * imag, expected, rtol=1e-8)
+
+
+def test_mean_is_that_over_the_offsets(greby):
+    """Gauss points over |y| < b; C(β, y) has infinite slope at the edge, which limits them to 1e-6."""
+    fit = fit_flexibility(greby, 20.0, 1e-10)
+    beta = np.array([0.0, 0.5, 1.5])
+    node, weight = np.polynomial.legendre.leggauss(200)
+    offset = np.sort(0.5 * B * (node + 1.0))
+    expected = 0.5 * weight @ strip_compliance(fit, beta, B, offset)
+    np.testing.assert_allclose(strip_mean(fit, beta, B), expected, rtol=1e-6)
+
+
+def test_compiled_mean_equals_plain():
+    rng = np.random.default_rng(2)
+    pole = rng.normal(size=6) + 1j * rng.normal(size=6) - 0.5
+    residue = rng.normal(size=6) + 1j * rng.normal(size=6)
+    beta = np.linspace(0.0, 30.0, STRETCH + 7)
+    compiled = strip_means(beta, pole, residue, 0.1 - 0.2j, B)
+    plain = strip_means.py_func(beta, pole, residue, 0.1 - 0.2j, B)
+    for one, other in zip(compiled, plain, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-14)
+
+
+@pytest.mark.parametrize("argument", [1e-8, 1e-4, 1e-2, 0.0999, 0.1001, 1.0])
+def test_small_arguments_of_the_mean_lose_no_digits(argument):
+    """2κb below and above the place where the series takes over, against a longer one in long numbers."""
+    pole = -((argument * np.exp(-0.7j) / (2.0 * B)) ** 2)
+    real, imag = strip_means(np.array([0.0]), np.array([pole]), np.array([1.0 + 0j]), 0j, B)
+    kappa = np.sqrt(np.clongdouble(-pole))
+    # (x − 1 + e^{−x})/x = x/2 − x²/6 + …, over 2bκ²
+    x = 2.0 * B * kappa
+    share = np.cumprod([x / 2.0, *(-x / n for n in range(3, 30))]).sum()
+    expected = complex(share / (2.0 * B * kappa**2))
+    assert abs(complex(real[0], imag[0]) / expected - 1.0) < 1e-12
+
+
+@pytest.mark.parametrize("frequency", [0.5, 20.0, 200.0])
+@pytest.mark.parametrize("half_width", [0.1, B, 10.0])
+def test_mean_against_quadrature(frequency, half_width, greby):
+    """1e-7 is what lies beyond `mean_fit_reach`."""
+    fit = fit_flexibility(greby, frequency, 1e-10, largest=mean_fit_reach(half_width))
+    beta = 2.0 * np.pi * frequency / greby.slowest_speed * np.array([0.0, 0.7, 1.2, 3.0])
+    expected = [strip_mean_by_quadrature(greby, half_width, b, frequency) for b in beta]
+    np.testing.assert_allclose(strip_mean(fit, beta, half_width), expected, rtol=1e-7)

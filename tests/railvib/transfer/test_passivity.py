@@ -9,6 +9,7 @@ from railvib import library, predict, rail_receptance
 from railvib.errors import PlausibilityWarning
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL
+from railvib.parameters.track import Track
 from railvib.plausibility import check_contact
 from railvib.psd.line_integrals import line_integrals
 from railvib.soil.quadrature import adaptive_integral
@@ -48,6 +49,13 @@ def test_soils_of_the_paper(track, greby, horstwalde):
 def test_narrow_contact_is_passive(track):
     narrow = track.model_copy(update={"contact_width": 0.8})
     assert nonpassive_ranges(SATURATED, narrow, 1.0, 112.0) == []
+
+
+def test_mean_is_passive_everywhere(track):
+    following = Track(**{**track.model_dump(), "coupling": "mean"})
+    assert nonpassive_ranges(SATURATED, following, 1.0, 400.0) == []
+    for frequency in (82.0, 90.0, 200.0, 350.0):
+        assert receptance(following, SATURATED, frequency).imag < 0.0
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -99,7 +107,8 @@ def test_integral_has_no_bound_at_the_end_of_the_range(track, horstwalde):
 
 def test_warning_of_receptances(track):
     with pytest.warns(
-        PlausibilityWarning, match=r"not passive at 83 to 96 Hz .* narrower contact_width_m or"
+        PlausibilityWarning,
+        match=r'not passive at 83 to 96 Hz .*; coupling = "mean" on the track, a narrower contact_width_m or',
     ):
         rail_receptance(track, SATURATED, [60.0, 100.0])
     rail_receptance(track, SATURATED, [10.0, 80.0])

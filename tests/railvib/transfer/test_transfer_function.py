@@ -7,7 +7,7 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.receiver import RAIL, Receiver
 from railvib.transfer.nodes import largest_wavenumber
 from railvib.transfer.transfer_function import TransferFunction
-from tests.railvib.transfer.soft_ground import RECEIVERS, direct
+from tests.railvib.transfer.soft_ground import RECEIVERS, SOFT, direct
 
 
 @pytest.mark.parametrize("receiver", RECEIVERS)
@@ -23,6 +23,22 @@ def test_against_direct_evaluation(receiver, functions, track):
         ).max()
         value = functions[receiver].along(np.array([f]), np.array([beta]))[0]
         assert abs(value - expected) < 1e-4 * max(abs(expected), 1e-4 * peak), (f, beta)
+
+
+@pytest.mark.parametrize("receiver", RECEIVERS)
+def test_track_on_the_mean_against_direct_evaluation(receiver, track, tables):
+    """The same where the track follows the mean; the ground at the centre line then does not move with it."""
+    following = track.model_copy(update={"coupling": "mean"})
+    function = tables(SOFT, following, range(2, 3), RECEIVERS)[receiver]
+    rng = np.random.default_rng([5, RECEIVERS.index(receiver)])
+    for _ in range(8):
+        f = float(np.exp(rng.uniform(np.log(11.0), np.log(33.0))))
+        slowness = rng.uniform(0.0, 1.4) / 95.0
+        nodes = 2.0 * np.pi * f / 95.0 * np.linspace(0.0, 1.3, 60)
+        peak = np.abs(function.along(np.full(60, f), nodes)).max()
+        expected = direct(following, receiver, f, float(2.0 * np.pi * f * slowness))
+        value = function.along(np.array([f]), np.array([2.0 * np.pi * f * slowness]))[0]
+        assert abs(value - expected) < 1e-4 * max(abs(expected), 1e-4 * peak), (f, slowness)
 
 
 def test_response_of_the_rail(functions, track):
