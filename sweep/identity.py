@@ -92,9 +92,9 @@ def digest(value: Mapping[str, Any]) -> str:
     return table.digest
 
 
-def unit_id(kind: str, inputs: Mapping[str, Any]) -> str:
-    """Return the id of a stored unit: its kind, its physical inputs and the model's own version number."""
-    return digest({"kind": kind, "model_version": railvib.MODEL_VERSION, "inputs": inputs})
+def unit_id(stage: str, inputs: Mapping[str, Any]) -> str:
+    """Return the id of a stored unit: its stage, its physical inputs and the model's own version number."""
+    return digest({"kind": stage, "model_version": railvib.MODEL_VERSION, "inputs": inputs})
 
 
 def case_id(things: Mapping[str, Any], speed: float) -> str:

@@ -121,7 +121,7 @@ def _tasks(
     for group in groups.values():
         digest = hashlib.sha256("".join(unit.id for unit in group).encode()).hexdigest()[:32]
         for unit in group:
-            keys[unit.id] = f"{group[-1].kind}-{digest}"
+            keys[unit.id] = f"{group[-1].stage_name}-{digest}"
     tasks: dict[str, Task] = {}
     for group in groups.values():
         key = keys[group[0].id]
@@ -136,7 +136,7 @@ def _ordered(tasks: Mapping[str, Task]) -> dict[str, Task]:
     Raises
     ------
     ValueError
-        If they go round in a circle, which is an error of the kinds' grouping.
+        If they go round in a circle, which is an error in how stages are grouped.
     """
     done: dict[str, Task] = {}
     waiting = dict(tasks)

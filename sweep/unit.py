@@ -25,9 +25,9 @@ class Unit:
         self.stage = stage
 
     @property
-    def kind(self) -> str:
-        """Name under which results are stored."""
-        return self.stage.kind
+    def stage_name(self) -> str:
+        """Name of the stage, under which its results are stored; the `kind` of their records."""
+        return self.stage.name
 
     @property
     def scope(self) -> Scope:
@@ -43,7 +43,7 @@ class Unit:
     @cached_property
     def id(self) -> str:
         """The unit's id."""
-        return identity.unit_id(self.kind, self.inputs)
+        return identity.unit_id(self.stage_name, self.inputs)
 
     def needs(self) -> "list[Unit]":
         """Return the units that it is computed from."""
@@ -58,8 +58,8 @@ class Unit:
         return hash(self.id)
 
     def __repr__(self) -> str:
-        """Return kind and id."""
-        return f"Unit({self.kind}/{self.id})"
+        """Return stage and id."""
+        return f"Unit({self.stage_name}/{self.id})"
 
 
 @lru_cache(REMEMBERED)

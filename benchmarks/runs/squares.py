@@ -20,7 +20,7 @@ class Square(Stage):
     """The squares of three numbers."""
 
     number: float
-    kind: ClassVar[str] = "square"
+    name: ClassVar[str] = "square"
     result: ClassVar[type] = Numbers
     scope: ClassVar[Scope] = "ground"
 

@@ -46,7 +46,7 @@ class Reader:
             arrays, attributes = store.read_recorded(self._directory, record)
         except store.DamagedError as error:
             return f"the arrays cannot be read: {error}"
-        KINDS[record["kind"]](self, record, arrays, attributes)
+        INSERTS[record["kind"]](self, record, arrays, attributes)
         return None
 
     def _origin(self, record: Row) -> dict[str, Any]:
@@ -155,5 +155,5 @@ def wanted(setting: Any, approach: str, receiver: str, offset: float | None) -> 
 
 
 _Insert = Callable[[Reader, Row, Mapping[str, NDArray[Any]], Mapping[str, Any]], None]
-KINDS: dict[str, _Insert] = {"spectra": Reader._insert_spectra, "receptance": Reader._insert_receptance}
-"""Kinds of units whose arrays have rows in the database, and what inserts them."""
+INSERTS: dict[str, _Insert] = {"spectra": Reader._insert_spectra, "receptance": Reader._insert_receptance}
+"""What inserts the arrays of a stage into the database; `kind` is the stage of a record or a row."""

@@ -41,7 +41,7 @@ def fill(connection: duckdb.DuckDBPyConnection, source: Source) -> list[str]:
     connection.execute(f"SET memory_limit = '{_MEMORY}'")
     for record in records.committed(source.directory):
         unit = record["unit_id"]
-        if record["kind"] in arrays.KINDS and unit in contents.owners and unit not in ingested:
+        if record["kind"] in arrays.INSERTS and unit in contents.owners and unit not in ingested:
             fault = reader.read(record)
             if fault is not None:
                 failures.append(_failure({**record, "traceback": fault}))

@@ -44,7 +44,7 @@ class CaseSpectra(ModelStage):
     band: Bands
     receivers: tuple[AnyReceiver, ...]
     averaging: tuple[str, ...]
-    kind: ClassVar[str] = "spectra"
+    name: ClassVar[str] = "spectra"
     result: ClassVar[type] = Spectra
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "unevenness", "speed_kmh")
     scope: ClassVar[Scope] = "case"

@@ -60,22 +60,22 @@ def case_spectra(approach: Approach, *, cross_section: CrossSection, **inputs: A
             return MovingRoughnessSpectra(approach=approach, **inputs)
 
 
-def stage_of(kind: str, inputs: Mapping[str, Any]) -> Stage:
-    """Return the stage of a stored result, from its kind and its inputs in plain form.
+def stage_of(name: str, inputs: Mapping[str, Any]) -> Stage:
+    """Return the stage of a stored result, from its name and its inputs in plain form.
 
     Raises
     ------
     InputError
-        If there is no stage of that kind with such inputs.
+        If there is no stage of that name with such inputs.
     """
     for stage in STAGES.values():  # the first that takes them
-        if stage.kind != kind:
+        if stage.name != name:
             continue
         try:
             return stage.from_inputs(inputs)
-        except ValueError:  # another stage of the kind may take them
+        except ValueError:  # another stage of that name may take them
             continue
-    raise InputError(f"{kind}: no stage takes the inputs {', '.join(sorted(inputs))}")
+    raise InputError(f"{name}: no stage takes the inputs {', '.join(sorted(inputs))}")
 
 
 def groups(stages: Iterable[Stage]) -> list[list[Stage]]:

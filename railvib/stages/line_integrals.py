@@ -31,7 +31,7 @@ class ReceiverLineIntegrals(ModelStage):
     receiver: AnyReceiver
     distances: tuple[float, ...]
     blocks: tuple[int, ...]
-    kind: ClassVar[str] = "line_integrals"
+    name: ClassVar[str] = "line_integrals"
     result: ClassVar[type] = LineIntegrals
     at_once: ClassVar[int | None] = RECEIVERS_AT_ONCE
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "offsets_m")
@@ -86,4 +86,4 @@ class ReceiverLineIntegrals(ModelStage):
         """Return values of the tables, and values times distances."""
         values = sum(rows * nodes for rows, nodes in self._sizes())
         amounts = {"units": 1.0, "values": values, "values of axles": values * len(self.distances)}
-        return Work(self.kind, amounts)
+        return Work(self.name, amounts)

@@ -28,7 +28,7 @@ class RailMovingTransfer(ModelStage):
 
     speed: float
     blocks: tuple[int, ...]
-    kind: ClassVar[str] = "moving_transfer"
+    name: ClassVar[str] = "moving_transfer"
     result: ClassVar[type] = MovingTransfer
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "speed_kmh")
     scope: ClassVar[Scope] = "speed"

@@ -44,7 +44,7 @@ class QuasiStaticResponse(ModelStage):
     train_length: float
     axle_position: tuple[float, ...]
     axle_load: tuple[float, ...]
-    kind: ClassVar[str] = "quasi_static"
+    name: ClassVar[str] = "quasi_static"
     result: ClassVar[type] = QuasiStatic
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "speed_kmh")
     scope: ClassVar[Scope] = "speed"

@@ -28,7 +28,7 @@ class RailReceptances(ModelStage):
     speed: float
     distances: tuple[float, ...]
     blocks: tuple[int, ...]
-    kind: ClassVar[str] = "receptance"
+    name: ClassVar[str] = "receptance"
     result: ClassVar[type] = Receptances
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "speed_kmh")
 

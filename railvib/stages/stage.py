@@ -52,7 +52,7 @@ class Stage(ABC):
 
     Attributes
     ----------
-    kind
+    name
         Name under which results are stored.
     result
         Frozen dataclass of arrays that is computed.
@@ -63,7 +63,7 @@ class Stage(ABC):
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
-    kind: ClassVar[str]
+    name: ClassVar[str]
     result: ClassVar[type]
     at_once: ClassVar[int | None] = None
     grows_with: ClassVar[tuple[str, ...]] = ()
@@ -113,7 +113,7 @@ class Stage(ABC):
 
     def work(self) -> Work:
         """Return its amounts of work."""
-        return Work(self.kind, {"units": 1.0})
+        return Work(self.name, {"units": 1.0})
 
     @classmethod
     def work_together(cls, stages: Sequence[Self]) -> Work:

@@ -38,7 +38,7 @@ class ReceiverTrainIntegrals(ModelStage):
     band: Bands
     step: float
     axle_position: tuple[float, ...]
-    kind: ClassVar[str] = "train_integrals"
+    name: ClassVar[str] = "train_integrals"
     result: ClassVar[type] = TrainIntegrals
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "offsets_m")
 
@@ -72,7 +72,7 @@ class ReceiverTrainIntegrals(ModelStage):
         nodes = table_size(self.ground, max(blocks_over(self.band)), self.receiver)[1]
         values = float(self._frequency().size) * nodes
         amounts = {"units": 1.0, "values": values, "values of axles": values * len(self.axle_position) ** 2}
-        return Work(self.kind, amounts)
+        return Work(self.name, amounts)
 
 
 @cache

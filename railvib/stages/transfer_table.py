@@ -37,7 +37,7 @@ class TransferTable(ModelStage):
 
     receiver: AnyReceiver
     block: int
-    kind: ClassVar[str] = "transfer"
+    name: ClassVar[str] = "transfer"
     result: ClassVar[type] = TransferBlock
     at_once: ClassVar[int | None] = VALUES_AT_ONCE
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "offsets_m")
@@ -107,7 +107,7 @@ class TransferTable(ModelStage):
             "values of layers": values * len(ground.layers),
         }
         by_cost = {"fit": ("fits", "fits of layers"), "transfer functions": ("values", "values of layers")}
-        return Work(cls.kind, amounts, by_cost)
+        return Work(cls.name, amounts, by_cost)
 
 
 def table_size(

@@ -107,15 +107,15 @@ def check(
         )
     if workers is None:
         return
-    each, there = _bytes(planned.peak_memory_bytes), _bytes(memory)
+    needed, available = _bytes(planned.peak_memory_bytes), _bytes(memory)
     if planned.peak_memory_bytes > memory:
         raise InputError(
-            f"{_hungriest(request)} makes a worker need {each} of memory; this machine has {there}: "
+            f"{_hungriest(request)} makes a worker need {needed} of memory; this machine has {available}: "
             "cut that axis"
         )
     if workers * planned.peak_memory_bytes > memory:
         raise InputError(
-            f"--workers = {workers}: each may need {each} of memory, and this machine has {there}; "
+            f"--workers = {workers}: each may need {needed} of memory, and this machine has {available}; "
             f"must be at most {memory // planned.peak_memory_bytes}"
         )
     wall = planned.cpu_s / workers
@@ -152,13 +152,13 @@ def describe(request: Request, planned: Estimate, directory: Path, workers: int 
     ]
     if not plan.tasks:
         return "\n".join([*lines, "tasks       none: everything is there"])
-    kinds = Counter(task.units[-1].kind for task in plan.tasks.values())
-    each = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    tasks_of = Counter(task.units[-1].stage_name for task in plan.tasks.values())
+    by_stage = ", ".join(f"{count} {stage}" for stage, count in tasks_of.items())
     wall = f", {_duration(planned.cpu_s / workers)} with {workers} workers" if workers else ""
     return "\n".join(
         [
             *lines,
-            f"tasks       {len(plan.tasks)} ({each})",
+            f"tasks       {len(plan.tasks)} ({by_stage})",
             f"store       {_bytes(planned.bytes)} to write",
             f"memory      {_bytes(planned.peak_memory_bytes)} per worker at most",
             f"processor   {_duration(planned.cpu_s)}{wall}, from a pilot of {planned.pilot_s:.1f} s",

@@ -125,7 +125,7 @@ def _measure_apart(name: str) -> Rates:
         return measured
     from sweep.workers.dask_cluster import ENVIRONMENT
 
-    variables = {**ENVIRONMENT, forks.KINDS: STAGES, forks.DRIVER: str(os.getpid())}
+    variables = {**ENVIRONMENT, forks.STAGES_MODULE: STAGES, forks.DRIVER: str(os.getpid())}
     command = [sys.executable, "-m", "sweep.forecast.pilot", name]
     with forks.signals_blocked():
         process = subprocess.Popen(command, env={**os.environ, **variables}, stdout=subprocess.PIPE)
@@ -144,7 +144,7 @@ def measure() -> Rates:
     """Run the pilot's tasks in this process, and return the rates."""
     import sweep.processes.preloaded  # noqa: F401 - what a worker has loaded
 
-    compiling.load(STAGES)  # a process that serves runs of other kinds may have been forked
+    compiling.load(STAGES)  # a process that serves runs of other stages may have been forked
     idle = _resident()
     began = time.process_time()
     samples: dict[str, list[_Sample]] = {}
@@ -200,7 +200,7 @@ def _timed(task: Sequence[Unit], place: Place) -> _Sample:
         raise RuntimeError(f"the pilot failed: {outcome.error}")
     stages: dict[str, float] = {}
     for unit in task:
-        record = records.find(place.directory, unit.kind, unit.id)
+        record = records.find(place.directory, unit.stage_name, unit.id)
         for spent in record["costs"] if record else ():
             stages[spent["stage"]] = stages.get(spent["stage"], 0.0) + spent["cpu_s"]
     return _Sample(work(task), outcome.cpu_s, stages)

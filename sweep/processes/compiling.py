@@ -39,15 +39,15 @@ def kernels_folder() -> Path:
     return folder
 
 
-def load(kinds: str) -> None:
-    """Load the kernels of a module's kinds; a process forked for it compiles what may not be compiled yet.
+def load(stages: str) -> None:
+    """Load the kernels of a module's stages; a process forked for it compiles what may not be compiled yet.
 
     To be called where no other thread runs. Where the forked process fails, and where forking is not to be
     had, kernels are compiled here.
     """
-    module = importlib.import_module(kinds)
+    module = importlib.import_module(stages)
     with suppress(OSError):  # a cache that cannot be written is none
-        marker = kernels_folder() / f"{_state(kinds)}.compiled"
+        marker = kernels_folder() / f"{_state(stages)}.compiled"
         if forks.POSSIBLE and not marker.exists():
             with alone():
                 if not marker.exists() and _succeeds_apart(module.warm_up):
@@ -78,12 +78,12 @@ def _succeeds_apart(warm_up: Callable[[], None]) -> bool:
     return os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 0
 
 
-def _state(kinds: str) -> str:
+def _state(stages: str) -> str:
     """Return the digest of all that makes Numba compile anew."""
     files = sorted(Path(str(resources.files("railvib"))).rglob("*.py"))
     return identity.digest(
         {
-            "kinds": kinds,
+            "stages": stages,
             "python": sys.version,
             "host_class": host_class(),
             "compilers": list(map(metadata.version, _COMPILERS)),

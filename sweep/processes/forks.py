@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 
 Result = TypeVar("Result")
 
-KINDS = "RAILVIB_KINDS"
+STAGES_MODULE = "RAILVIB_STAGES"
 """Environment variable with the module whose kernels are loaded."""
 DRIVER = "RAILVIB_DRIVER"
 """Environment variable with the number of the process that starts one."""
@@ -37,14 +37,14 @@ POSSIBLE = sys.platform == "linux"
 _started = False
 
 
-def start(kinds: str) -> None:
-    """Start the process, without waiting for it, to load the kernels of a module's kinds."""
+def start(stages: str) -> None:
+    """Start the process, without waiting for it, to load the kernels of a module's stages."""
     global _started
     if not POSSIBLE:
         return
     with _hang_up_ignored():
         resource_tracker.ensure_running()  # which would unblock the signals when it is started below
-    with _environment({**THREADS, KINDS: kinds, DRIVER: str(os.getpid())}), signals_blocked():
+    with _environment({**THREADS, STAGES_MODULE: stages, DRIVER: str(os.getpid())}), signals_blocked():
         forkserver.set_forkserver_preload(["sweep.processes.server"])
         forkserver.ensure_running()
         _started = True

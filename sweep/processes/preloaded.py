@@ -11,12 +11,12 @@ import distributed.worker  # noqa: E402
 
 import sweep.running.task  # noqa: E402
 from sweep.processes import compiling  # noqa: E402
-from sweep.processes.forks import KINDS  # noqa: E402
+from sweep.processes.forks import STAGES_MODULE  # noqa: E402
 
 __all__ = ["distributed", "sweep"]
 
 with suppress(Exception):  # whatever is wrong will be wrong in the first task as well, and be told there
-    compiling.load(os.environ[KINDS])
+    compiling.load(os.environ[STAGES_MODULE])
 
 gc.freeze()  # nor do workers look there, who would copy the memory that they share by doing so
 gc.enable()

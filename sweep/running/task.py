@@ -44,7 +44,7 @@ class Place:
 
     directory: str
     run_id: str
-    kinds: str
+    stages: str
     attempt: int = 1
     store: str | None = None
 
@@ -59,7 +59,7 @@ class Place:
 
     def find(self, unit: Unit) -> tuple[str, dict[str, Any]] | None:
         """Return where a unit lies and its commit record, or None where it has none."""
-        found = ((home, records.find(home, unit.kind, unit.id)) for home in self.homes)
+        found = ((home, records.find(home, unit.stage_name, unit.id)) for home in self.homes)
         return next(((home, record) for home, record in found if record is not None), None)
 
 
@@ -166,7 +166,7 @@ def _compute(missing: list[Unit], place: Place, started: str) -> Iterator[tuple[
     """Compute batch by batch, commit what each brings; yield whether it is first, its bytes, and warnings."""
     if not missing:
         return
-    computing = stage_class(missing[0], registry(place.kinds))
+    computing = stage_class(missing[0], registry(place.stages))
     compiling.compile_stage(computing)
     units = {unit.stage: unit for unit in missing}
     read = Reader(place)
@@ -239,7 +239,7 @@ class Reader:
                     result = self._found(unit)
             except store.DamagedError as error:
                 for home in self._place.homes:
-                    records.withdraw(home, unit.kind, unit.id)
+                    records.withdraw(home, unit.stage_name, unit.id)
                 raise WithdrawnError(str(error)) from error
         _hold(unit, self._place, result)
         return result
@@ -256,12 +256,12 @@ class Reader:
         """Return a result by its record."""
         found = self._place.find(unit)
         if found is None:
-            raise store.DamagedError(f"{unit.kind}/{unit.id}: has no record that can be read")
+            raise store.DamagedError(f"{unit.stage_name}/{unit.id}: has no record that can be read")
         home, record = found
         return self._read(unit, home, {name: record.get(name) for name in store.RECORDED})
 
     def _read(self, unit: Unit, home: str, recorded: dict[str, Any]) -> Any:
-        result: Any = store.read(home, kind=unit.stage.result, **recorded)
+        result: Any = store.read(home, result_type=unit.stage.result, **recorded)
         _recorded[self._place.directory, unit.id] = home, recorded
         return result
 
@@ -272,12 +272,12 @@ def _hold(unit: Unit, place: Place, result: Any) -> None:
 
 
 def _groups(batch: Mapping[Unit, Any]) -> list[dict[Unit, fields.Parts]]:
-    """Part a batch into results of one kind that are stored as one group."""
+    """Part a batch into results of one stage that are stored as one group."""
     groups: dict[Hashable, dict[Unit, fields.Parts]] = {}
     for unit, result in batch.items():
         parts = fields.split(result)
         alone = unit.stage.label() is None or parts.dimension is None
-        groups.setdefault(unit if alone else (unit.kind, parts.group_key), {})[unit] = parts
+        groups.setdefault(unit if alone else (unit.stage_name, parts.group_key), {})[unit] = parts
     return list(groups.values())
 
 
@@ -292,8 +292,8 @@ def _store(
     """Store results as one group; return of each its unit, its record and what was written."""
     cpu, wall = time.process_time(), time.perf_counter()
     first = next(iter(group))
-    name = f"{first.kind}/{first.id}"
-    said = {"kind": first.kind, "model_version": railvib.MODEL_VERSION}
+    name = f"{first.stage_name}/{first.id}"
+    said = {"kind": first.stage_name, "model_version": railvib.MODEL_VERSION}
     results = {unit.stage.label(): parts.with_attributes(unit_id=unit.id) for unit, parts in group.items()}
     made = writer.together(name, results, said)
     wall_s = (time.perf_counter() - wall) / len(group)
@@ -334,7 +334,7 @@ def _head(unit: Unit, place: Place, started: str) -> dict[str, Any]:
     return {
         "schema": records.SCHEMA,
         "unit_id": unit.id,
-        "kind": unit.kind,
+        "kind": unit.stage_name,  # the stored key from before stages had this name
         "model_version": railvib.MODEL_VERSION,
         "inputs": unit.inputs,
         "worker": f"{socket.gethostname()}:{os.getpid()}",
@@ -356,19 +356,15 @@ def _complete(costs: list[cost.StageCost], wall_s: float, cpu_s: float) -> None:
 
 
 def _share(unit: Unit, batch: Mapping[Unit, Any], costs: Iterable[cost.StageCost]) -> list[dict[str, Any]]:
-    """Return a unit's part of its batch's costs: a stage named as a kind is its units', others all's."""
-    members: dict[str, int] = {}
-    for other in batch:
-        members[other.kind] = members.get(other.kind, 0) + 1
+    """Return a unit's part of its batch's costs: a cost named as a stage is its units', others all's."""
+    stages = {other.stage_name for other in batch}
     shares = []
     for spent in costs:
-        if spent.stage in members and spent.stage != unit.kind:
+        if spent.stage in stages and spent.stage != unit.stage_name:
             continue
-        part = members[spent.stage] if spent.stage in members else len(batch)
+        sharers = [other for other in batch if spent.stage not in stages or other.stage_name == spent.stage]
         # Counts are whole numbers: the first units of the batch take what does not divide.
-        index = [other for other in batch if spent.stage not in members or other.kind == spent.stage].index(
-            unit
-        )
+        part, index = len(sharers), sharers.index(unit)
         shares.append(
             {
                 **vars(spent),

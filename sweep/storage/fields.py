@@ -111,7 +111,7 @@ _in_memory: "WeakValueDictionary[tuple[Any, ...], Any]" = WeakValueDictionary()
 
 
 def restore(
-    kind: type[Result],
+    result_type: type[Result],
     arrays: Mapping[str, NDArray[Any]],
     attributes: Mapping[str, Any],
     recorded: Recorded | None = None,
@@ -121,7 +121,7 @@ def restore(
     What it shares is one object for all results in memory whose records hold the same of it.
     """
     values: dict[str, Any] = {}
-    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+    for field in dataclasses.fields(result_type):  # type: ignore[arg-type]
         if _dimension(field):
             values[field.name] = _shared(field.type, arrays, attributes, recorded)
         elif "dims" in field.metadata:
@@ -130,28 +130,28 @@ def restore(
             values[field.name] = array[()] if array is not None and array.ndim == 0 else array
         else:
             values[field.name] = _restored(attributes[field.name], field.type)
-    return kind(**values)
+    return result_type(**values)
 
 
 def _shared(
-    kind: Any,
+    result_type: Any,
     arrays: Mapping[str, NDArray[Any]],
     attributes: Mapping[str, Any],
     recorded: Recorded | None,
 ) -> Any:
     """Return what several results share: the object in memory if there is one of the same content."""
     if recorded is None:
-        return restore(kind, arrays, attributes)
-    key = kind, *_content(kind, attributes, recorded)
+        return restore(result_type, arrays, attributes)
+    key = result_type, *_content(result_type, attributes, recorded)
     part = _in_memory.get(key)
     if part is None:
-        part = _in_memory[key] = restore(kind, arrays, attributes, recorded)
+        part = _in_memory[key] = restore(result_type, arrays, attributes, recorded)
     return part
 
 
-def _content(kind: Any, attributes: Mapping[str, Any], recorded: Recorded) -> Iterator[Any]:
+def _content(result_type: Any, attributes: Mapping[str, Any], recorded: Recorded) -> Iterator[Any]:
     """Yield what a dataclass holds: checksums of its arrays, and its attributes as text."""
-    for field in dataclasses.fields(kind):
+    for field in dataclasses.fields(result_type):
         if _dimension(field):
             yield from _content(field.type, attributes, recorded)
         elif field.name in recorded:

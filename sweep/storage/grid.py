@@ -49,8 +49,8 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
                 names.setdefault(unit["unit_id"], set()).add((case["soil"], case["track"]))
     fixed: list[_Part] = []
     moving: list[_Part] = []
-    for kind, parts in (("transfer", fixed), ("moving_transfer", moving)):
-        for record in records.committed(directory, kind):
+    for stage, parts in (("transfer", fixed), ("moving_transfer", moving)):
+        for record in records.committed(directory, stage):
             for soil, track in sorted(names.get(record["unit_id"], ())):
                 parts += _parts(directory, record, soil, track)
     frequency = {

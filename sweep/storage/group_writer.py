@@ -275,14 +275,14 @@ def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, A
     return Writer(home)(name, result, attributes)
 
 
-def restore(written: Written, kind: type[Result]) -> Result:
+def restore(written: Written, result_type: type[Result]) -> Result:
     """Return what was written in the form in which it is read, from its arrays in memory."""
     arrays = compared.held(written.arrays)
     for name, recorded in written.arrays.items():
         if name not in arrays:
             arrays[name] = _as_read(written.values[name])
             compared.hold(arrays[name], recorded)
-    return fields.restore(kind, arrays, written.attributes, written.arrays)
+    return fields.restore(result_type, arrays, written.attributes, written.arrays)
 
 
 def _as_read(array: NDArray[Any]) -> NDArray[Any]:

@@ -81,13 +81,13 @@ def _store(directory: Path, changed: int, size: int) -> str | None:
     return named
 
 
-def committed(directory: Path | str, kind: str | None = None) -> Iterator[dict[str, Any]]:
-    """Yield the commit records of a run directory, of one kind or of all, by kind and id.
+def committed(directory: Path | str, stage: str | None = None) -> Iterator[dict[str, Any]]:
+    """Yield the commit records of a run directory, of one stage or of all, by stage and id.
 
     Of a store outside only those count that a run of the directory needs.
     """
     here, *outside = homes(directory)
-    kept = {home: _listed(home, kind) for home in (here, *outside)}
+    kept = {home: _listed(home, stage) for home in (here, *outside)}
     needed = _needed(directory) if outside else set()
     for home in outside:
         kept[home] = [key for key in kept[home] if key[1] in needed and key not in kept[here]]
@@ -119,9 +119,9 @@ def listed(home: Home) -> set[str]:
     return {unit_id for _, unit_id in _listed(home)}
 
 
-def find(home: Home, kind: str, unit_id: str) -> dict[str, Any] | None:
+def find(home: Home, stage: str, unit_id: str) -> dict[str, Any] | None:
     """Return the commit record of a unit at one place, or None where there is none that can be read."""
-    return _record(unit_id, location.at(home).read(_key(kind, unit_id)))
+    return _record(unit_id, location.at(home).read(_key(stage, unit_id)))
 
 
 def commit(home: Home, record: Mapping[str, Any]) -> bool:
@@ -141,9 +141,9 @@ def commit_many(home: Home, made: Sequence[Mapping[str, Any]]) -> list[bool]:
     return is_first
 
 
-def withdraw(home: Home, kind: str, unit_id: str) -> None:
+def withdraw(home: Home, stage: str, unit_id: str) -> None:
     """Take back the commit record of a unit whose arrays were found damaged, so that it is computed again."""
-    location.at(home).remove(_key(kind, unit_id))
+    location.at(home).remove(_key(stage, unit_id))
 
 
 def fail(directory: Path | str, record: Mapping[str, Any]) -> None:
@@ -167,18 +167,18 @@ def _needed(directory: Path | str) -> set[str]:
     }
 
 
-def _key(kind: str, unit_id: str) -> str:
-    return f"{RECORDS}/{kind}/{unit_id}.json"
+def _key(stage: str, unit_id: str) -> str:
+    return f"{RECORDS}/{stage}/{unit_id}.json"
 
 
-def _listed(home: Home, kind: str | None = None) -> list[tuple[str, str]]:
-    """Return kind and id of the records at one place, of one kind or of all, sorted."""
+def _listed(home: Home, stage: str | None = None) -> list[tuple[str, str]]:
+    """Return stage and id of the records at one place, of one stage or of all, sorted."""
     place = location.at(home)
-    kinds = [kind] if kind else [name for name in place.names(RECORDS) if name not in (_FAILED, _RUNS)]
+    stages = [stage] if stage else [name for name in place.names(RECORDS) if name not in (_FAILED, _RUNS)]
     return sorted(
-        (each, name.removesuffix(".json"))
-        for each in kinds
-        for name in place.names(f"{RECORDS}/{each}")
+        (stage_name, name.removesuffix(".json"))
+        for stage_name in stages
+        for name in place.names(f"{RECORDS}/{stage_name}")
         if name.endswith(".json")
     )
 

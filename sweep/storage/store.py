@@ -27,13 +27,13 @@ RECORDED = ("group", "member", "arrays", "metadata", "group_metadata")
 def read(
     home: records.Home,
     group: str,
-    kind: type[Result],
+    result_type: type[Result],
     arrays: Recorded | None = None,
     metadata: str | None = None,
     group_metadata: str | None = None,
     member: str | None = None,
 ) -> Result:
-    """Read a group of the store at `home` back as the dataclass `kind`, compared with what its record holds.
+    """Read a group of the store at `home` back as a `result_type`, compared with what its record holds.
 
     An array is compared with its sha256, or, if this process has written or compared it before, by the
     checksums that its chunks had then; one that is in memory is not read again. Where the record has the
@@ -45,7 +45,7 @@ def read(
         If the group is missing, cannot be decoded or is not the one recorded.
     """
     values, attributes = _read(home, group, arrays, metadata, group_metadata, member)
-    return fields.restore(kind, values, attributes, arrays)
+    return fields.restore(result_type, values, attributes, arrays)
 
 
 def read_recorded(

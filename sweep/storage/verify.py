@@ -20,8 +20,8 @@ class Damage:
     reason: str
 
     def __str__(self) -> str:
-        """Return kind and id of the result, and the reason."""
-        return f"{self.unit.kind}/{self.unit.id}: {self.reason}"
+        """Return stage and id of the result, and the reason."""
+        return f"{self.unit.stage_name}/{self.unit.id}: {self.reason}"
 
 
 def damaged(directory: Path, units: Iterable[Unit]) -> Iterator[Damage]:
@@ -39,13 +39,13 @@ def withdraw(directory: Path, units: Iterable[Unit]) -> list[Damage]:
     found = list(damaged(directory, units))
     for each in found:
         for home in records.homes(directory):
-            records.withdraw(home, each.unit.kind, each.unit.id)
+            records.withdraw(home, each.unit.stage_name, each.unit.id)
     return found
 
 
 def _fault(directory: Path, unit: Unit) -> str | None:
     """Return what is wrong with a stored result, or None."""
-    found = (records.find(home, unit.kind, unit.id) for home in records.homes(directory))
+    found = (records.find(home, unit.stage_name, unit.id) for home in records.homes(directory))
     record = next((record for record in found if record is not None), None)
     if record is None:
         return "its record cannot be read"

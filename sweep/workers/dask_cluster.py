@@ -103,19 +103,19 @@ def serving(dashboard: str | None) -> dict[str, Any]:
 
 
 @contextmanager
-def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers]:
+def local(workers: int, stages: str, dashboard: bool = False) -> Iterator[Workers]:
     """Start workers on this machine, warmed up, and stop them at the end whatever happens.
 
     Parameters
     ----------
     workers
         How many processes.
-    kinds
-        The module whose kinds they will run.
+    stages
+        The module whose stages they will run.
     dashboard
         Whether to serve Dask's dashboard, on the loopback address.
     """
-    forks.start(kinds)
+    forks.start(stages)
     forked = {
         "distributed.worker.multiprocessing-method": "forkserver",
         "distributed.nanny.environ": {**os.environ, **ENVIRONMENT},  # the one that is forked may be older
@@ -135,7 +135,7 @@ def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers
     ):
         if dashboard:
             print(f"dashboard at {cluster.dashboard_link}", file=sys.stderr)
-        warm_up(client, kinds)
+        warm_up(client, stages)
         yield Workers(client)
         with suppress(
             TimeoutError
@@ -144,11 +144,11 @@ def local(workers: int, kinds: str, dashboard: bool = False) -> Iterator[Workers
 
 
 @contextmanager
-def remote(address: str, security: Security | None, kinds: str) -> Iterator[Workers]:
+def remote(address: str, security: Security | None, stages: str) -> Iterator[Workers]:
     """Use the workers of a scheduler that is running."""
     with dask.config.set(SETTINGS), Client(address, security=security) as client:
         client.wait_for_workers(1)
-        warm_up(client, kinds)
+        warm_up(client, stages)
         yield Workers(client)
 
 
@@ -164,21 +164,21 @@ class Deaf(WorkerPlugin):
 class WarmUp(WorkerPlugin):
     """Loads the compiled kernels in every worker before its first task, also where one replaces another."""
 
-    def __init__(self, kinds: str) -> None:
-        self._kinds = kinds
+    def __init__(self, stages: str) -> None:
+        self._stages = stages
 
     def setup(self, worker: Any) -> None:
         """Load them."""
-        _warm(self._kinds)
+        _warm(self._stages)
 
 
-def warm_up(client: Client, kinds: str) -> None:
+def warm_up(client: Client, stages: str) -> None:
     """Let one worker fill the compile cache, then all load it: two that compile into it at once can crash."""
     client.register_plugin(Deaf())
     first = next(iter(client.scheduler_info(n_workers=-1)["workers"]))
-    client.submit(_warm, kinds, workers=[first], pure=False).result()
-    client.register_plugin(WarmUp(kinds))
+    client.submit(_warm, stages, workers=[first], pure=False).result()
+    client.register_plugin(WarmUp(stages))
 
 
-def _warm(kinds: str) -> None:
-    importlib.import_module(kinds).warm_up()
+def _warm(stages: str) -> None:
+    importlib.import_module(stages).warm_up()

@@ -64,7 +64,7 @@ def check(file: ClusterFile) -> None:
 
 @contextmanager
 def crew(
-    file: ClusterFile, directory: Path, tasks: int, kinds: str, dashboard: bool
+    file: ClusterFile, directory: Path, tasks: int, stages: str, dashboard: bool
 ) -> Iterator[cluster.Workers]:
     """Start scheduler and workers, and stop them at the end whatever happens.
 
@@ -76,8 +76,8 @@ def crew(
         The results directory, which the machines of all workers see.
     tasks
         How many there are to run.
-    kinds
-        The module whose kinds they are of.
+    stages
+        The module whose stages they are of.
     dashboard
         Whether to serve Dask's dashboard, on the loopback address where the file names none.
     """
@@ -116,7 +116,7 @@ def crew(
             print(f"waiting for the first job of {file.kind}", file=sys.stderr, flush=True)
             client.register_plugin(drain.Drain(file.walltime_minutes * 60.0, file.drain_minutes * 60.0))
         first.wait(client)
-        cluster.warm_up(client, kinds)
+        cluster.warm_up(client, stages)
         yield cluster.Workers(client, most)
 
 

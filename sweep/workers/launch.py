@@ -105,10 +105,10 @@ class Launch:
         """Whether processes are started on this machine."""
         return self.scheduler is None and self.file is None and self.processes > 0
 
-    def get_ready(self, kinds: str) -> None:
+    def get_ready(self, stages: str) -> None:
         """Begin with what workers started here need, while there is something else to do; does not wait."""
         if self._starts_here:
-            forks.start(kinds)
+            forks.start(stages)
 
     def beside(self, function: Callable[[Argument], Result], argument: Argument) -> Callable[[], Result]:
         """Call a function in a process that has loaded the kernels, or here if there is none.
@@ -149,8 +149,8 @@ class Launch:
 
             jobs.check(self.file)
 
-    def crew(self, tasks: int, kinds: str, directory: Path) -> "AbstractContextManager[Crew]":
-        """Return who computes so many tasks with the kinds of a module for a results directory.
+    def crew(self, tasks: int, stages: str, directory: Path) -> "AbstractContextManager[Crew]":
+        """Return who computes so many tasks with the stages of a module for a results directory.
 
         Workers that are started for it are stopped at the end, whatever happens.
         """
@@ -159,12 +159,12 @@ class Launch:
         from sweep.workers import dask_cluster as cluster
 
         if self.scheduler is not None:
-            return cluster.remote(self.scheduler, self.security, kinds)
+            return cluster.remote(self.scheduler, self.security, stages)
         if self.file is not None:
             from sweep.workers import jobs
 
-            return jobs.crew(self.file, directory, tasks, kinds, self.dashboard)
-        return cluster.local(min(self.processes, tasks), kinds, self.dashboard)
+            return jobs.crew(self.file, directory, tasks, stages, self.dashboard)
+        return cluster.local(min(self.processes, tasks), stages, self.dashboard)
 
 
 @contextmanager

@@ -32,8 +32,8 @@ def unit_ids(resolved):
     ]
     ids = {}
     for unit in plan.make(wanted, set()).units.values():
-        inputs = {"kind": unit.kind, "model_version": MODEL_VERSION, "inputs": unit.inputs}
-        ids.setdefault(unit.kind, []).append(identity.digest(inputs)[:16])
+        inputs = {"kind": unit.stage_name, "model_version": MODEL_VERSION, "inputs": unit.inputs}
+        ids.setdefault(unit.stage_name, []).append(identity.digest(inputs)[:16])
     return {kind: sorted(found) for kind, found in sorted(ids.items())}
 
 

@@ -67,9 +67,9 @@ def test_database_and_spectra_computed_again_from_the_store_agree(results, run_d
     stage = stage_of("spectra", stored(results, run_directory, approach)["inputs"])
 
     def load(needed):
-        record = records.find(run_directory, needed.kind, unit_of(needed).id)
+        record = records.find(run_directory, needed.name, unit_of(needed).id)
         recorded = {name: record[name] for name in store.RECORDED}
-        return store.read(run_directory, kind=needed.result, **recorded)
+        return store.read(run_directory, result_type=needed.result, **recorded)
 
     again = stage.compute(load)
     assert len(again.receiver) > 20

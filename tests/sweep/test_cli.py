@@ -185,9 +185,9 @@ def test_damage_is_repaired_within_a_run(here):
     (out / store.STORE / first["group"] / name / "c.0.0").unlink()
     for record in records.committed(out, "spectra"):
         records.withdraw(out, "spectra", record["unit_id"])
-    for kind in ("line_integrals", "quasi_static", "moving_transfer", "receptance"):
-        for record in records.committed(out, kind):
-            records.withdraw(out, kind, record["unit_id"])
+    for stage in ("line_integrals", "quasi_static", "moving_transfer", "receptance"):
+        for record in records.committed(out, stage):
+            records.withdraw(out, stage, record["unit_id"])
     from sweep.running import task
 
     task.forget()

@@ -46,11 +46,11 @@ def test_degenerate_model_stores_what_moving_roughness_stores(tmp_path, monkeypa
 
 def test_cross_section_is_identity_of_its_approach_only():
     other = BOTH.replace("[cross_section]", "[cross_section]\nlayer_height_m = 0.5")
-    for kind in ("transfer", "receptance", "line_integrals", "spectra"):
-        assert not ids(unit(BOTH, "fe-be"), kind) & ids(unit(other, "fe-be"), kind)
-        assert not ids(unit(BOTH, "fe-be"), kind) & ids(unit(BOTH, "moving-roughness"), kind)
-        assert ids(unit(BOTH, "moving-roughness"), kind) == ids(unit(other, "moving-roughness"), kind)
-        assert ids(unit(BOTH, "moving-roughness"), kind) == ids(unit(STUDY, "moving-roughness"), kind)
+    for stage in ("transfer", "receptance", "line_integrals", "spectra"):
+        assert not ids(unit(BOTH, "fe-be"), stage) & ids(unit(other, "fe-be"), stage)
+        assert not ids(unit(BOTH, "fe-be"), stage) & ids(unit(BOTH, "moving-roughness"), stage)
+        assert ids(unit(BOTH, "moving-roughness"), stage) == ids(unit(other, "moving-roughness"), stage)
+        assert ids(unit(BOTH, "moving-roughness"), stage) == ids(unit(STUDY, "moving-roughness"), stage)
 
 
 def test_study_of_the_verification_is_valid():

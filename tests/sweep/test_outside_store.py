@@ -34,8 +34,8 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def kinds(home):
-    """Return which kinds of units are committed at one place."""
+def stages_at(home):
+    """Return the stages whose results are committed at one place."""
     place = location.at(home)
     return {name for name in place.names(records.RECORDS) if place.names(f"{records.RECORDS}/{name}")}
 
@@ -54,14 +54,14 @@ def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, m
         broken.setattr(full_model, "full_model_spectra", lambda *_: 1 / 0)
         assert invoke("run", "small.toml", "--workers", 0, "--store", address).exit_code == 1
     out = here / "runs" / "small"
-    assert kinds(address) == SHARED
+    assert stages_at(address) == SHARED
     assert not (out / store.STORE).exists()
     written = {key: location.at(address).read(key) for key in keys(address)}
 
     resumed = invoke("resume", out, "--workers", 0)  # the manifest knows the store
     assert resumed.exit_code == 0, resumed.output
     assert "2 tasks to run" in resumed.output
-    assert kinds(out) == {"runs", "spectra"}
+    assert stages_at(out) == {"runs", "spectra"}
     assert {key: location.at(address).read(key) for key in keys(address)} == written
     assert arrays(out) == arrays(computed / "out")
     assert "1 of 1 complete" in invoke("status", out).output
@@ -94,9 +94,9 @@ def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, m
 
 def keys(address):
     return [
-        f"{records.RECORDS}/{kind}/{name}"
-        for kind in kinds(address)
-        for name in location.at(address).names(f"{records.RECORDS}/{kind}")
+        f"{records.RECORDS}/{stage}/{name}"
+        for stage in stages_at(address)
+        for name in location.at(address).names(f"{records.RECORDS}/{stage}")
     ]
 
 
@@ -135,15 +135,15 @@ def test_shared_units_go_outside_and_are_used_again(tmp_path, outside):
     assert run(tmp_path / "a", [toy.total(1, 2)], outside).total == 3
     assert run(tmp_path / "b", [toy.total(1, 2)], outside).total == 1
     assert run(tmp_path / "b", [toy.total(1, 2, 9)], outside).total == 2
-    assert kinds(outside) == {"square"}
-    assert kinds(tmp_path / "b") == {"total"}
+    assert stages_at(outside) == {"square"}
+    assert stages_at(tmp_path / "b") == {"total"}
 
 
 @pytest.mark.parametrize("harm", ["flip", "delete", "record"])
 def test_damage_outside_is_found_on_use_and_made_good(tmp_path, outside, harm):
     run(tmp_path, [toy.square(1)], outside)
     place, unit = location.at(outside), toy.square(1)
-    record = records.find(outside, unit.kind, unit.id)
+    record = records.find(outside, unit.stage_name, unit.id)
     key = f"{store.STORE}/{record['group']}/value/c.0"
     if harm == "record":
         key = f"{records.RECORDS}/square/{unit.id}.json"
@@ -154,7 +154,7 @@ def test_damage_outside_is_found_on_use_and_made_good(tmp_path, outside, harm):
         place.create(key, bytes(content))
     assert run(tmp_path, [toy.total(1, 2)], outside).damaged == 1
     assert run(tmp_path, [toy.total(1, 2)], outside).failed == 0
-    again = records.find(outside, unit.kind, unit.id)
+    again = records.find(outside, unit.stage_name, unit.id)
     assert again["arrays"] == record["arrays"]
     np.testing.assert_array_equal(
         store.read(outside, again["group"], toy.Numbers, again["arrays"], again["metadata"]).value, [1, 4, 9]
@@ -209,12 +209,12 @@ def test_two_drivers_at_once_share_a_store(here, computed, outside):
     both = {**arrays(small), **arrays(other)}
     assert len(both) == len(arrays(small)) + 2  # but for the other study's spectra all is shared
     for directory in (small, other):
-        assert kinds(directory) - {"failed", "runs"} == {"spectra"}
+        assert stages_at(directory) - {"failed", "runs"} == {"spectra"}
         for record in records.committed(directory):
             store.check(directory, record)
     by_run = {record["run_id"] for record in records.committed(small) if record["kind"] in SHARED}
     assert by_run <= {each["run_id"] for each in manifests}
     groups = [record["group"] for record in records.committed(small) if record["kind"] in SHARED]
-    there = sum(len(location.at(outside).names(f"{store.STORE}/{kind}")) for kind in SHARED)
-    # The same bytes whoever computed them: at most one group each, beside the zarr.json of its kind.
+    there = sum(len(location.at(outside).names(f"{store.STORE}/{stage}")) for stage in SHARED)
+    # The same bytes whoever computed them: at most one group each, beside the zarr.json of its stage.
     assert len(set(groups)) <= there - len(SHARED) <= len(groups)

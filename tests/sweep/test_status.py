@@ -27,10 +27,10 @@ def arrays(directory):
     return {record["unit_id"]: record["arrays"] for record in records.committed(directory)}
 
 
-def group(directory, kind):
-    """Return the folder of a group with the most units of a kind, and these units by their labels there."""
+def group(directory, stage):
+    """Return the folder of a group with the most units of a stage, and these units by their labels there."""
     units = {}
-    for record in records.committed(directory, kind):
+    for record in records.committed(directory, stage):
         units.setdefault(record["group"], {})[record["member"]] = record["unit_id"]
     name = max(units, key=lambda each: len(units[each]))
     return directory / store.STORE / name, units[name]

@@ -28,10 +28,10 @@ def wanted(**sections):
     }
 
 
-def ids(unit, kind):
-    """Return the ids of all units of a kind that a unit rests on."""
-    found = {unit.id} if unit.kind == kind else set()
-    return found.union(*(ids(need, kind) for need in unit.needs()))
+def ids(unit, stage):
+    """Return the ids of all units of a stage that a unit rests on."""
+    found = {unit.id} if unit.stage_name == stage else set()
+    return found.union(*(ids(need, stage) for need in unit.needs()))
 
 
 def test_stored_spectra_are_those_of_predict(computed):
@@ -70,8 +70,8 @@ def test_another_speed_shares_the_ground():
         assert ids(slow, "line_integrals") == ids(fast, "line_integrals")
     slow, fast = both[30.0, "moving-roughness"], both[32.0, "moving-roughness"]
     assert ids(slow, "receptance") == ids(fast, "receptance")
-    for kind in ("receptance", "moving_transfer"):
-        assert not ids(both[30.0, "full"], kind) & ids(both[32.0, "full"], kind)
+    for stage in ("receptance", "moving_transfer"):
+        assert not ids(both[30.0, "full"], stage) & ids(both[32.0, "full"], stage)
     assert not ids(slow, "moving_transfer")
 
 
@@ -99,7 +99,7 @@ def test_the_response_to_axle_loads_needs_tables_only_where_something_is_left():
     """At 30 km/h nothing is left at 100 m above 1.7 Hz, and at 8 m above 26 Hz."""
     band = {"minimum_hz": 1.25, "maximum_hz": 80}
     unit = wanted(receivers={"offsets_m": [8, 100]}, frequency=band)[30.0, "full"]
-    (still,) = [need for need in unit.needs() if need.kind == "quasi_static"]
+    (still,) = [need for need in unit.needs() if need.stage_name == "quasi_static"]
     found = {}
     for need in still.needs():
         found.setdefault(need.inputs["receiver"], set()).add(need.inputs["block"])
@@ -110,7 +110,7 @@ def test_a_receiver_where_nothing_is_left_needs_one_table_all_the_same():
     """At 400 m nothing is left from the lowest band on, which begins at the edge of a block."""
     band = {"minimum_hz": 12.5, "maximum_hz": 16}
     unit = wanted(receivers={"offsets_m": [400]}, frequency=band)[30.0, "full"]
-    (still,) = [need for need in unit.needs() if need.kind == "quasi_static"]
+    (still,) = [need for need in unit.needs() if need.stage_name == "quasi_static"]
     needs = [need for need in still.needs()]
     assert [need.inputs["block"] for need in needs if need.inputs["receiver"] == 400.0] == [2]
 
@@ -118,13 +118,13 @@ def test_a_receiver_where_nothing_is_left_needs_one_table_all_the_same():
 def test_the_tolerance_enters_every_unit():
     one, other = wanted(), wanted(accuracy={"tolerance": 2e-3})
     for key in one:
-        for kind in {stage.kind for stage in STAGES.values()}:
-            assert not ids(one[key], kind) & ids(other[key], kind)
+        for stage in {stage.name for stage in STAGES.values()}:
+            assert not ids(one[key], stage) & ids(other[key], stage)
 
 
 def test_scopes():
     unit = wanted()[30.0, "full"]
-    scopes = {need.kind: need.scope for need in unit.needs()}
+    scopes = {need.stage_name: need.scope for need in unit.needs()}
     assert scopes == {
         "receptance": "speed",
         "moving_transfer": "speed",

@@ -51,7 +51,7 @@ class Square(Arithmetic):
 
     number: float
     poison: str | None = None
-    kind: ClassVar[str] = "square"
+    name: ClassVar[str] = "square"
     scope: ClassVar[Scope] = "ground"
 
     def together(self) -> float:
@@ -78,7 +78,7 @@ class Total(Arithmetic):
 
     numbers: tuple[float, ...]
     poisons: tuple[tuple[str, str], ...] = ()
-    kind: ClassVar[str] = "total"
+    name: ClassVar[str] = "total"
     scope: ClassVar[Scope] = "case"
 
     def needs(self) -> list[Square]:

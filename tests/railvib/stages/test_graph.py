@@ -46,7 +46,7 @@ def test_every_stage_is_the_one_that_its_inputs_describe(approach):
             name: value.model_dump() if hasattr(value, "model_dump") else value
             for name, value in stage.inputs().items()
         }
-        again = stage_of(stage.kind, plain)
+        again = stage_of(stage.name, plain)
         assert again == stage
         assert hash(again) == hash(stage)
 

@@ -120,10 +120,10 @@ def test_more_receivers_than_are_held_at_once_take_no_more_memory(rates, tmp_pat
 
 @pytest.mark.slow
 def test_a_worker_without_work_has_its_kernels_whoever_forks_it():
-    """Runs of other kinds in the process that measured had once left the kernels out."""
+    """Runs of other stages in the process that measured had once left the kernels out."""
 
-    def idle(kinds):
-        environment = {**os.environ, **forks.THREADS, forks.KINDS: kinds}
+    def idle(stages):
+        environment = {**os.environ, **forks.THREADS, forks.STAGES_MODULE: stages}
         command = [sys.executable, "-m", "sweep.forecast.pilot", "pilot"]
         measured = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True)
         return json.loads(measured.stdout)["idle_bytes"]

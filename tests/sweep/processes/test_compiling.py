@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-KINDS = """
+STAGES = """
 import numba
 import pathlib
 
@@ -21,16 +21,16 @@ def warm_up():
 """
 LOAD = """
 from sweep.processes import compiling
-compiling.load("small_kinds")
-import small_kinds
-print(len(small_kinds.twice.stats.cache_hits), len(small_kinds.twice.stats.cache_misses))
+compiling.load("small_stages")
+import small_stages
+print(len(small_stages.twice.stats.cache_hits), len(small_stages.twice.stats.cache_misses))
 """
 
 
 @pytest.fixture
 def load(tmp_path):
-    """Load kinds of a kernel that is in no cache, in a process that has the environment of a new user."""
-    (tmp_path / "small_kinds.py").write_text(KINDS, encoding="utf-8")
+    """Load stages of a kernel that is in no cache, in a process that has the environment of a new user."""
+    (tmp_path / "small_stages.py").write_text(STAGES, encoding="utf-8")
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join([str(tmp_path), os.getcwd()]),
@@ -50,11 +50,11 @@ def test_who_computes_does_not_compile(load, tmp_path):
         loaded = load()
         assert loaded.stdout.split() == ["1", "0"], loaded.stderr
         assert len(list(tmp_path.rglob("*.compiled"))) == 1
-        assert len((tmp_path / "small_kinds.calls").read_text(encoding="utf-8")) == calls
+        assert len((tmp_path / "small_stages.calls").read_text(encoding="utf-8")) == calls
 
 
 def test_what_cannot_be_compiled_is_told_once(load, tmp_path):
-    (tmp_path / "small_kinds.py").write_text(KINDS.replace("== 2", "== 3"), encoding="utf-8")
+    (tmp_path / "small_stages.py").write_text(STAGES.replace("== 2", "== 3"), encoding="utf-8")
     for _ in range(2):
         loaded = load()
         assert loaded.returncode == 1

@@ -24,7 +24,7 @@ def run(directory, wanted, crew, attempt=1):
 
 
 def value(directory, unit):
-    record = records.find(directory, unit.kind, unit.id)
+    record = records.find(directory, unit.stage_name, unit.id)
     return store.read(directory, record["group"], toy.Numbers, record["arrays"]).value
 
 
@@ -78,7 +78,7 @@ def test_of_a_result_that_came_second_nothing_is_held(tmp_path):
     unit, place = toy.square(1), Place(str(tmp_path), "run-1", toy.__name__)
     run(tmp_path, [unit], scheduler.ThisProcess())
     task.forget()
-    record = records.find(tmp_path, unit.kind, unit.id)
+    record = records.find(tmp_path, unit.stage_name, unit.id)
     other = toy.Numbers(np.full(3, 7.0), "square of 1", (1, 2))
     written = group_writer.write(tmp_path, "square/other", other, {})
     find = Place.find
@@ -86,7 +86,7 @@ def test_of_a_result_that_came_second_nothing_is_held(tmp_path):
 
         def late(self, unit):
             patch.undo()  # the record that stands comes after this look
-            records.withdraw(tmp_path, unit.kind, unit.id)
+            records.withdraw(tmp_path, unit.stage_name, unit.id)
             records.commit(tmp_path, {**record, **written.recorded()})
 
         patch.setattr(Place, "find", late)
@@ -101,7 +101,7 @@ def remembered(tmp_path, monkeypatch):
     monkeypatch.setattr(task, "_cache", Cache(0))
     unit = toy.square(1)
     run(tmp_path, [unit], scheduler.ThisProcess())
-    return unit, records.find(tmp_path, unit.kind, unit.id)
+    return unit, records.find(tmp_path, unit.stage_name, unit.id)
 
 
 def read(directory, unit):
@@ -123,7 +123,7 @@ def test_a_record_that_has_been_replaced_since_gives_way_to_the_one_that_stands(
     unit, record = remembered
     other = group_writer.write(tmp_path, "square/other", toy.Numbers(np.full(3, 7.0), "another", (1, 2)), {})
     shutil.rmtree(tmp_path / store.STORE / record["group"])
-    records.withdraw(tmp_path, unit.kind, unit.id)
+    records.withdraw(tmp_path, unit.stage_name, unit.id)
     records.commit(tmp_path, {**record, **other.recorded()})
     for _ in range(2):
         np.testing.assert_array_equal(read(tmp_path, unit), np.full(3, 7.0))
@@ -135,7 +135,7 @@ def test_what_is_remembered_of_a_damaged_result_is_withdrawn_with_it(tmp_path, r
     chunk.write_bytes(chunk.read_bytes()[::-1])
     with pytest.raises(task.WithdrawnError, match="torn or altered"):
         read(tmp_path, unit)
-    assert records.find(tmp_path, unit.kind, unit.id) is None
+    assert records.find(tmp_path, unit.stage_name, unit.id) is None
     with pytest.raises(task.WithdrawnError, match="no record"):
         read(tmp_path, unit)
 
@@ -145,7 +145,11 @@ def test_what_is_released_goes_first(tmp_path):
     order = []
     made = plan.make([toy.total(2 * n, 2 * n + 1) for n in range(40)], set())
     place = Place(str(tmp_path), "run-1", toy.__name__)
-    scheduler.run(made, place, scheduler.ThisProcess(), lambda done, *_: order.append(done.units[0].kind))
+
+    def report(task, *_):
+        order.append(task.units[0].stage_name)
+
+    scheduler.run(made, place, scheduler.ThisProcess(), report)
     assert order.count("total") == 40
     assert "total" in order[: 2 * scheduler.WINDOW_PER_WORKER]
 
@@ -189,7 +193,7 @@ def test_a_failure_stays_alone(tmp_path):
 def test_damage_is_found_on_use_and_made_good(tmp_path):
     part = toy.square(1)
     run(tmp_path, [part], scheduler.ThisProcess())
-    group = records.find(tmp_path, part.kind, part.id)["group"]
+    group = records.find(tmp_path, part.stage_name, part.id)["group"]
     chunk = tmp_path / store.STORE / group / "value" / "c.0"
     chunk.unlink()
     tally = run(tmp_path, [toy.total(1, 2)], scheduler.ThisProcess())

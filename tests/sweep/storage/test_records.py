@@ -58,9 +58,9 @@ def test_nothing_is_left_aside(tmp_path):
     assert os.listdir(tmp_path / "records" / "square") == ["a.json"]
 
 
-def test_records_are_told_by_kind(tmp_path):
-    for kind, unit_id in [("total", "c"), ("square", "b"), ("square", "a")]:
-        records.commit(tmp_path, record(unit_id, kind=kind))
+def test_records_are_read_by_stage(tmp_path):
+    for stage, unit_id in [("total", "c"), ("square", "b"), ("square", "a")]:
+        records.commit(tmp_path, record(unit_id, kind=stage))
     assert [each["unit_id"] for each in records.committed(tmp_path)] == ["a", "b", "c"]
     assert [each["unit_id"] for each in records.committed(tmp_path, "square")] == ["a", "b"]
     assert records.present(tmp_path) == {"a", "b", "c"}

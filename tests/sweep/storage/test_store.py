@@ -222,7 +222,7 @@ def read_member(tmp_path, request):
         recorded = written.recorded()
         if request.param == "whole":
             recorded["group_metadata"] = None
-        return store.read(tmp_path, kind=Table, **recorded)
+        return store.read(tmp_path, result_type=Table, **recorded)
 
     return one
 
@@ -479,7 +479,7 @@ def test_results_that_are_read_share_one_object(tmp_path):
     rail = writer("table/rail", TABLES["rail"], {})
     ground = stored_together(tmp_path, "8", "12.5")
     records = [each.recorded() for each in (rail, *ground.values())]
-    one, other, third = (store.read(tmp_path, kind=Table, **record) for record in records)
+    one, other, third = (store.read(tmp_path, result_type=Table, **record) for record in records)
     assert one.grid is other.grid is third.grid
     assert group_writer.restore(ground["8"], Table).grid is one.grid
     for changed, same_edges in (
@@ -487,7 +487,7 @@ def test_results_that_are_read_share_one_object(tmp_path):
         (Grid(GRID.frequency, Edges(np.zeros(3)), 3), False),
     ):
         written = writer("table/2", dataclasses.replace(TABLES["8"], grid=changed), {})
-        found = store.read(tmp_path, kind=Table, **written.recorded())
+        found = store.read(tmp_path, result_type=Table, **written.recorded())
         assert found.grid is not one.grid
         assert (found.grid.edges is one.grid.edges) is same_edges
     plain = store.read(tmp_path, ground["8"].group, Table, member="8")  # with no record of the content
