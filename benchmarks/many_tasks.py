@@ -169,8 +169,8 @@ def draw(samples: list[Sample]) -> None:
 def print_access_costs(directory: Path, number: int) -> None:
     """Print the cost of listing, reading and verifying what a run has stored, per result."""
     for name, access in (
-        ("names of records", lambda: len(records.present(directory))),
-        ("records read", lambda: sum(1 for _ in records.committed(directory))),
+        ("names of records", lambda: len(records.ids_of(directory))),
+        ("records read", lambda: sum(1 for _ in records.commits(directory))),
         ("groups listed", lambda: len(location.at(directory).names(f"{store.STORE}/square"))),
         ("groups verified", lambda: _verify(directory)),
     ):
@@ -187,7 +187,7 @@ def print_access_costs(directory: Path, number: int) -> None:
 def _verify(directory: Path) -> int:
     """Check every result of a run; return their number."""
     number = 0
-    for record in records.committed(directory):
+    for record in records.commits(directory):
         store.check(directory, record)
         number += 1
     return number

@@ -125,7 +125,7 @@ def _run(whole: plan.Plan, directory: Path, workers: int) -> float:
 def cpu_by_owner(directory: Path) -> tuple[float, float]:
     """Return the CPU seconds of physics and of loading and storing, from the commit records of a run."""
     physics = engine = 0.0
-    for record in records.committed(directory):
+    for record in records.commits(directory):
         for cost in record["costs"]:
             if cost["stage"] in ENGINE_STAGES:
                 engine += cost["cpu_s"]

@@ -141,10 +141,10 @@ def _faults(directory: Path) -> list[str]:
     """Return what is damaged of all that the latest run in a directory rests on, in a line each."""
     from sweep import hooks
     from sweep.request import prepare
-    from sweep.storage.verify import damaged
+    from sweep.storage.verify import find_damage
 
     needed = prepare(_latest(directory), directory).plan.units.values()
-    faults = [str(damage) for damage in damaged(directory, needed)]
+    faults = [str(damage) for damage in find_damage(directory, needed)]
     if _manifest(directory)["finished"] is None:  # nothing has been published yet
         return faults
     return faults + hooks.published_faults(directory)

@@ -128,7 +128,7 @@ def _renew(prepared: Prepared, mend: bool, only_failed: bool) -> Prepared:
         _withdraw_damaged(request, directory)
         request = prepare(request.resolved, directory, request.store, complete=True)
     if only_failed:
-        request = request.resting_on({record["unit_id"] for record in records.failed(directory)})
+        request = request.resting_on({record["unit_id"] for record in records.failures(directory)})
     return Prepared(request, directory, forecast(request), prepared.cautions)
 
 

@@ -61,10 +61,10 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None, compl
     check_directory(directory, resolved.study.study.name)
     check_number(resolved)
     store = location.address(store) if store else next(map(str, records.homes(directory)[1:]), None)
-    present = records.listed(directory)
+    present = records.ids_at(directory)
     if store:
         location.at(store).check()
-        present |= records.listed(store)
+        present |= records.ids_at(store)
     cases = tuple(resolved.cases())
     wanted: dict[tuple[str, str], Unit] = {
         (case.case_id, approach): spectra_unit(resolved, case, approach)

@@ -16,7 +16,7 @@ _ENDED = {0: "done", 1: "ended, some tasks failed", 130: "interrupted"}
 
 def describe(directory: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
     """Yield lines about the latest run of a directory: its state, how far it is, and what failed."""
-    present = records.present(directory)
+    present = records.ids_of(directory)
     units = {
         case["case_id"]: {unit["unit_id"] for units in case["units"].values() for unit in units}
         for case in manifest["cases"]
@@ -30,7 +30,7 @@ def describe(directory: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
     yield f"units     {len(needed & present)} of {len(needed)} done"
     if manifest["finished"] is None:
         yield from _pace(directory, manifest)
-    failures = [record for record in records.failed(directory) if record["unit_id"] in needed]
+    failures = [record for record in records.failures(directory) if record["unit_id"] in needed]
     yield f"failures  {len(failures)}"
     for record in failures:
         yield f"  {record['kind']}/{record['unit_id']}: {record['traceback'].strip().splitlines()[-1]}"

@@ -86,7 +86,7 @@ def run(
             lines = output.read_text(encoding="utf-8", errors="replace").strip().splitlines()
             raise InputError(f"a run of the benchmark failed: {lines[-1] if lines else process.returncode}")
     run_id = records.Run.load(directory)["run_id"]
-    commits = [record for record in records.committed(directory) if record["run_id"] == run_id]
+    commits = [record for record in records.commits(directory) if record["run_id"] == run_id]
     delays = [datetime.fromisoformat(record["started"]).timestamp() - start for record in commits]
     first = min((delay for delay in delays if delay >= 0.0), default=None)
     return RunCost(
@@ -125,7 +125,7 @@ def _approaches(directory: Path) -> dict[str, float]:
     """Return the CPU seconds of all units that each approach needs; shared work counts for each in full."""
     seconds = {
         record["unit_id"]: sum(cost["cpu_s"] for cost in record["costs"])
-        for record in records.committed(directory)
+        for record in records.commits(directory)
     }
     needs: dict[str, set[str]] = {}
     for case in records.Run.load(directory)["cases"]:

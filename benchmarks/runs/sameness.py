@@ -16,15 +16,13 @@ def largest_difference(first: Path, second: Path) -> tuple[float, int]:
     InputError
         If they do not hold the same units and arrays.
     """
-    ours, theirs = (
-        {record["unit_id"]: record for record in records.committed(run)} for run in (first, second)
-    )
+    ours, theirs = ({record["unit_id"]: record for record in records.commits(run)} for run in (first, second))
     if ours.keys() != theirs.keys():
         raise InputError(f"{first} and {second}: do not hold the same units")
     largest, compared = 0.0, 0
     for unit, record in ours.items():
-        arrays, _ = store.read_recorded(first, record)
-        others, _ = store.read_recorded(second, theirs[unit])
+        arrays, _ = store.read_result(first, record)
+        others, _ = store.read_result(second, theirs[unit])
         if arrays.keys() != others.keys():
             raise InputError(f"{first} and {second}: the arrays of {unit} differ")
         for name, array in arrays.items():

@@ -43,7 +43,7 @@ class Reader:
         from sweep.storage import store
 
         try:
-            arrays, attributes = store.read_recorded(self._directory, record)
+            arrays, attributes = store.read_result(self._directory, record)
         except store.DamagedError as error:
             return f"the arrays cannot be read: {error}"
         INSERTS[record["kind"]](self, record, arrays, attributes)

@@ -39,7 +39,7 @@ def fill(connection: duckdb.DuckDBPyConnection, source: Source) -> list[str]:
     keys: list[Row] = []
     unreadable: list[str] = []
     connection.execute(f"SET memory_limit = '{_MEMORY}'")
-    for record in records.committed(source.directory):
+    for record in records.commits(source.directory):
         unit = record["unit_id"]
         if record["kind"] in arrays.INSERTS and unit in contents.owners and unit not in ingested:
             fault = reader.read(record)

@@ -59,8 +59,8 @@ class Source:
             manifests = records.runs(directory) or [records.Run.load(directory)]
         except FileNotFoundError:
             raise ResultsError(f"{directory}: no manifest of a run can be read") from None
-        failures = list(records.failed(directory))
-        present = records.present(directory)
+        failures = list(records.failures(directory))
+        present = records.ids_of(directory)
         # Records are immutable and named by their content, so that their names suffice.
         text = json.dumps([sorted(present), manifests, failures], sort_keys=True)
         fingerprint = hashlib.sha256(text.encode()).hexdigest()

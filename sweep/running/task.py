@@ -210,7 +210,7 @@ def _record(
         for (unit, _, written), first in zip(made, firsts, strict=True):
             if first and unit.scope != "case":  # what belongs to one case no other task reads
                 _hold(unit, place, restore(written, unit.stage.result))
-                _recorded[place.directory, unit.id] = home, written.recorded()
+                _recorded[place.directory, unit.id] = home, written.group_fields()
             yield first, written.bytes_written, cautions
             records.forget_failure(place.directory, unit.id)
 
@@ -258,7 +258,7 @@ class Reader:
         if found is None:
             raise store.DamagedError(f"{unit.stage_name}/{unit.id}: has no record that can be read")
         home, record = found
-        return self._read(unit, home, {name: record.get(name) for name in store.RECORDED})
+        return self._read(unit, home, {name: record.get(name) for name in store.GROUP_FIELDS})
 
     def _read(self, unit: Unit, home: str, recorded: dict[str, Any]) -> Any:
         result: Any = store.read(home, result_type=unit.stage.result, **recorded)
@@ -305,7 +305,7 @@ def _store(
         record = {
             **_head(unit, place, started),
             "status": "done",
-            **written.recorded(),
+            **written.group_fields(),
             "costs": [*shares[unit], storing],
             "warnings": cautions,
         }

@@ -33,7 +33,7 @@ def checksum(array: NDArray[Any]) -> dict[str, Any]:
     }
 
 
-def held(arrays: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
+def arrays_in_memory(arrays: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
     """Return those of the arrays of a record that are in memory."""
     found = {name: _in_memory.get(_key(recorded)) for name, recorded in arrays.items()}
     return {name: array for name, array in found.items() if array is not None}
@@ -55,7 +55,7 @@ def remember_chunks(chunks: bytes, recorded: Mapping[str, Any]) -> None:
     _chunks[_key(recorded)] = chunks
 
 
-def unchanged(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> bool:
+def is_unchanged(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> bool:
     """Return whether an array has the recorded form, and its chunks the checksums that are in mind."""
     form = array.dtype.name, list(array.shape)
     return form == (recorded["dtype"], recorded["shape"]) and _chunks.get(_key(recorded)) == chunks

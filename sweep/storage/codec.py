@@ -100,7 +100,7 @@ def encode_attributes(attributes: Mapping[str, Any]) -> bytes:
 def encode_group(arrays: Mapping[str, bytes], attributes: bytes) -> bytes:
     """Return the metadata of a group from those of its arrays and from encoded attributes."""
     # What is said of the arrays is repeated, an extension of the format for which xarray looks.
-    repeated = b",".join(b"%b:%b" % (_quoted(name), array) for name, array in arrays.items())
+    repeated = b",".join(b"%b:%b" % (_quote(name), array) for name, array in arrays.items())
     return _GROUP % (attributes, repeated)
 
 
@@ -144,7 +144,7 @@ def decode_array(name: str, said: Mapping[str, Any], objects: Objects) -> tuple[
         slices = (decode_array(name, slice_metadata(said, place), objects) for place in range(shape[0]))
         arrays, checksums = zip(*slices, strict=True)
         return np.stack(arrays), b"".join(checksums)
-    parts = [_verified(key, objects) for key in chunk_keys(name, said)]
+    parts = [_verify(key, objects) for key in chunk_keys(name, said)]
     content = parts[0][0] if len(parts) == 1 else np.concatenate([chunk for chunk, _ in parts])
     array = np.frombuffer(content, dtype).reshape((-1, *chunk_shape[1:]) if shape else ())
     # Arrays that cannot be written to are another type to compiled kernels.
@@ -231,7 +231,7 @@ def _chunk(rows: NDArray[Any], shape: Sequence[int], view: bool) -> Content:
     return content.data
 
 
-def _verified(key: str, objects: Objects) -> tuple[NDArray[np.uint8], bytes]:
+def _verify(key: str, objects: Objects) -> tuple[NDArray[np.uint8], bytes]:
     """Return the bytes of a chunk and its checksum, after a look at that."""
     content = np.frombuffer(objects[key], np.uint8)
     chunk, stored = content[:-_CRC_BYTES], content[-_CRC_BYTES:].tobytes()
@@ -246,7 +246,7 @@ def _crc(data: NDArray[np.uint8]) -> bytes:
 
 
 @lru_cache(256)
-def _quoted(name: str) -> bytes:
+def _quote(name: str) -> bytes:
     return _json(name)
 
 

@@ -123,17 +123,17 @@ def restore(
     values: dict[str, Any] = {}
     for field in dataclasses.fields(result_type):  # type: ignore[arg-type]
         if _dimension(field):
-            values[field.name] = _shared(field.type, arrays, attributes, recorded)
+            values[field.name] = _restore_shared(field.type, arrays, attributes, recorded)
         elif "dims" in field.metadata:
             name = _stored_name(field, attributes.__getitem__)
             array = np.asarray(attributes[name]) if name in attributes else arrays.get(name)
             values[field.name] = array[()] if array is not None and array.ndim == 0 else array
         else:
-            values[field.name] = _restored(attributes[field.name], field.type)
+            values[field.name] = _restore_value(attributes[field.name], field.type)
     return result_type(**values)
 
 
-def _shared(
+def _restore_shared(
     result_type: Any,
     arrays: Mapping[str, NDArray[Any]],
     attributes: Mapping[str, Any],
@@ -186,12 +186,12 @@ def _plain(value: Any) -> Any:
     return [_plain(item) for item in value]
 
 
-def _restored(value: Any, form: Any) -> Any:
+def _restore_value(value: Any, form: Any) -> Any:
     """Return an attribute as the dataclass holds it."""
     if form == tuple[float, ...]:
         return tuple(map(float, value))
     if isinstance(value, list):
-        value = tuple(_restored(item, form) for item in value)
+        value = tuple(_restore_value(item, form) for item in value)
     if form in (complex, "complex"):
         return complex(*map(float, value)) if isinstance(value, tuple) else value
     return float(value) if form in (float, "float") else value

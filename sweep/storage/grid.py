@@ -50,7 +50,7 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
     fixed: list[_Part] = []
     moving: list[_Part] = []
     for stage, parts in (("transfer", fixed), ("moving_transfer", moving)):
-        for record in records.committed(directory, stage):
+        for record in records.commits(directory, stage):
             for soil, track in sorted(names.get(record["unit_id"], ())):
                 parts += _parts(directory, record, soil, track)
     frequency = {

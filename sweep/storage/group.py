@@ -50,7 +50,7 @@ class Group:
     objects: codec.Objects
 
     @classmethod
-    def whole(
+    def read_whole(
         cls, place: Location, prefix: str, name: str, digest: str | None = None, member: str | None = None
     ) -> "Group":
         """Return a group with all its metadata and arrays; of several results in it those of one member.
@@ -82,7 +82,7 @@ class Group:
         return cls(name, metadata, attributes, objects)
 
     @classmethod
-    def needed(
+    def read_unknown(
         cls,
         place: Location,
         prefix: str,
@@ -121,7 +121,7 @@ class Group:
             if name in known:
                 continue
             array, chunks = self._decode(name)
-            if not checksums.unchanged(array, chunks, recorded[name]):
+            if not checksums.is_unchanged(array, chunks, recorded[name]):
                 self._compare(name, array, recorded)
             checksums.remember(array, chunks, recorded[name])
             arrays[name] = array

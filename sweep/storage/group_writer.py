@@ -17,12 +17,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from sweep.storage import checksums as compared
-from sweep.storage import codec, fields, location, records
+from sweep.storage import checksums, codec, fields, location, records
 from sweep.storage.fields import Result
 from sweep.storage.group import MEMBERS, metadata_digest
 from sweep.storage.protocol import Content
-from sweep.storage.store import RECORDED, STORE
+from sweep.storage.store import GROUP_FIELDS, STORE
 
 CHUNK_BYTES = 64 * 2**20
 """Size from which an array is cut."""
@@ -64,9 +63,9 @@ class Written:
     values: Mapping[str, NDArray[Any]]
     bytes_written: int
 
-    def recorded(self) -> dict[str, Any]:
+    def group_fields(self) -> dict[str, Any]:
         """Return the fields of its record by which it is read and compared."""
-        return {name: getattr(self, name) for name in RECORDED}
+        return {name: getattr(self, name) for name in GROUP_FIELDS}
 
 
 @dataclasses.dataclass
@@ -110,8 +109,8 @@ class _Encoded:
         """Add the arrays of a part that no other group has."""
         for key, (array, metadata) in part.arrays.items():
             self.heads[key], self.chunks[key] = codec.encode_array(key, array, metadata, CHUNK_BYTES)
-            self.checksums[key] = compared.checksum(array)
-            compared.remember_chunks(codec.chunk_checksums(self.chunks[key]), self.checksums[key])
+            self.checksums[key] = checksums.checksum(array)
+            checksums.remember_chunks(codec.chunk_checksums(self.chunks[key]), self.checksums[key])
 
     def link(self, stored: _Stored) -> None:
         """Add the arrays of a part that another group has."""
@@ -132,11 +131,11 @@ class _Encoded:
             self.heads[key], chunks_by_member = codec.encode_stack(key, arrays, form, CHUNK_BYTES)
             self.chunks[key] = {name: chunk for chunks in chunks_by_member for name, chunk in chunks.items()}
             for label, array, chunks in zip(members, arrays, chunks_by_member, strict=True):
-                checksum = compared.checksum(array)
-                compared.remember_chunks(codec.chunk_checksums(chunks), checksum)
+                checksum = checksums.checksum(array)
+                checksums.remember_chunks(codec.chunk_checksums(chunks), checksum)
                 self.member_checksums.setdefault(label, {})[key] = checksum
 
-    def stored(self, part: fields.Part, prefix: str) -> _Stored:
+    def placement(self, part: fields.Part, prefix: str) -> _Stored:
         """Return how one of its parts was stored below a key."""
         return _Stored(
             prefix,
@@ -255,7 +254,7 @@ class Writer:
             objects |= {f"{key}/{name}": chunk for name, chunk in chunks.items()}
         written = place.put(prefix, objects, group.same)
         for part in group.fresh:
-            self._stored[part.source] = group.stored(part, prefix)
+            self._stored[part.source] = group.placement(part, prefix)
         return written
 
     def settle(self) -> None:
@@ -277,11 +276,11 @@ def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, A
 
 def restore(written: Written, result_type: type[Result]) -> Result:
     """Return what was written in the form in which it is read, from its arrays in memory."""
-    arrays = compared.held(written.arrays)
+    arrays = checksums.arrays_in_memory(written.arrays)
     for name, recorded in written.arrays.items():
         if name not in arrays:
             arrays[name] = _as_read(written.values[name])
-            compared.hold(arrays[name], recorded)
+            checksums.hold(arrays[name], recorded)
     return fields.restore(result_type, arrays, written.attributes, written.arrays)
 
 

@@ -81,14 +81,14 @@ def _store(directory: Path, changed: int, size: int) -> str | None:
     return named
 
 
-def committed(directory: Path | str, stage: str | None = None) -> Iterator[dict[str, Any]]:
+def commits(directory: Path | str, stage: str | None = None) -> Iterator[dict[str, Any]]:
     """Yield the commit records of a run directory, of one stage or of all, by stage and id.
 
     Of a store outside only those count that a run of the directory needs.
     """
     here, *outside = homes(directory)
-    kept = {home: _listed(home, stage) for home in (here, *outside)}
-    needed = _needed(directory) if outside else set()
+    kept = {home: _entries(home, stage) for home in (here, *outside)}
+    needed = _ids_of_runs(directory) if outside else set()
     for home in outside:
         kept[home] = [key for key in kept[home] if key[1] in needed and key not in kept[here]]
     contents = {home: location.at(home).read_many(_key(*key) for key in keys) for home, keys in kept.items()}
@@ -98,25 +98,25 @@ def committed(directory: Path | str, stage: str | None = None) -> Iterator[dict[
             yield record
 
 
-def failed(directory: Path | str) -> Iterator[dict[str, Any]]:
+def failures(directory: Path | str) -> Iterator[dict[str, Any]]:
     """Yield the records of failures that no later attempt has made good."""
     for failure in _folder(directory, _FAILED, is_failure):
         if all(find(home, failure["kind"], failure["unit_id"]) is None for home in homes(directory)):
             yield failure
 
 
-def present(directory: Path | str) -> set[str]:
+def ids_of(directory: Path | str) -> set[str]:
     """Return the ids of all committed units of a run directory, from the names of their records alone."""
     here, *outside = homes(directory)
-    found = listed(here)
+    found = ids_at(here)
     for home in outside:
-        found |= listed(home) & _needed(directory)
+        found |= ids_at(home) & _ids_of_runs(directory)
     return found
 
 
-def listed(home: Home) -> set[str]:
+def ids_at(home: Home) -> set[str]:
     """Return the ids of all units committed at one place, whoever asked for them."""
-    return {unit_id for _, unit_id in _listed(home)}
+    return {unit_id for _, unit_id in _entries(home)}
 
 
 def find(home: Home, stage: str, unit_id: str) -> dict[str, Any] | None:
@@ -156,7 +156,7 @@ def forget_failure(directory: Path | str, unit_id: str) -> None:
     Folder(directory).remove(_key(_FAILED, unit_id))
 
 
-def _needed(directory: Path | str) -> set[str]:
+def _ids_of_runs(directory: Path | str) -> set[str]:
     """Return the ids of the units that any run of a directory rests on."""
     return {
         unit["unit_id"]
@@ -171,7 +171,7 @@ def _key(stage: str, unit_id: str) -> str:
     return f"{RECORDS}/{stage}/{unit_id}.json"
 
 
-def _listed(home: Home, stage: str | None = None) -> list[tuple[str, str]]:
+def _entries(home: Home, stage: str | None = None) -> list[tuple[str, str]]:
     """Return stage and id of the records at one place, of one stage or of all, sorted."""
     place = location.at(home)
     stages = [stage] if stage else [name for name in place.names(RECORDS) if name not in (_FAILED, _RUNS)]
@@ -192,7 +192,7 @@ def _record(unit_id: str, encoded: bytes | None) -> dict[str, Any] | None:
 def _folder(directory: Path | str, name: str, form: Form) -> list[dict[str, Any]]:
     """Return the whole files of one folder of a run directory's records, in order of their names."""
     place = Folder(directory)
-    keys = [_key(name, each) for _, each in _listed(directory, name)]
+    keys = [_key(name, each) for _, each in _entries(directory, name)]
     contents = (_decode(encoded, form) for encoded in place.read_many(keys))
     return [content for content in contents if content is not None]
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sweep.storage import checksums as compared
-from sweep.storage import fields, location, records
+from sweep.storage import checksums, fields, location, records
 from sweep.storage.fields import Recorded, Result
 from sweep.storage.group import MEMBERS, Group
 from sweep.storage.group import DamagedError as DamagedError
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     import zarr
 
 STORE = "transfer_functions.zarr"
-RECORDED = ("group", "member", "arrays", "metadata", "group_metadata")
+GROUP_FIELDS = ("group", "member", "arrays", "metadata", "group_metadata")
 """What a record holds of a group."""
 
 
@@ -48,7 +47,7 @@ def read(
     return fields.restore(result_type, values, attributes, arrays)
 
 
-def read_recorded(
+def read_result(
     directory: Path | str, record: Mapping[str, Any]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     """Return the arrays of a record of a run by name, compared as by `read`, and the group's attributes.
@@ -58,7 +57,7 @@ def read_recorded(
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    recorded: dict[str, Any] = {name: record.get(name) for name in RECORDED}
+    recorded: dict[str, Any] = {name: record.get(name) for name in GROUP_FIELDS}
     return _read(_home(directory, record["group"]), **recorded)
 
 
@@ -71,11 +70,11 @@ def _read(
     member: str | None,
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     place, prefix = location.at(home), f"{STORE}/{group}"
-    known = compared.held(arrays or {})
+    known = checksums.arrays_in_memory(arrays or {})
     if group_metadata is None:
-        stored = Group.whole(place, prefix, group, metadata, member)
+        stored = Group.read_whole(place, prefix, group, metadata, member)
     else:
-        stored = Group.needed(place, prefix, group, group_metadata, known, member)
+        stored = Group.read_unknown(place, prefix, group, group_metadata, known, member)
     return stored.arrays() if arrays is None else stored.verify(arrays, known), stored.attributes
 
 
@@ -87,7 +86,7 @@ def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[An
     DamagedError
         If the group is missing or cannot be decoded.
     """
-    stored = _whole(directory, group)
+    stored = _read_whole(directory, group)
     return stored.arrays(), stored.attributes
 
 
@@ -99,13 +98,14 @@ def check(directory: Path | str, record: Mapping[str, Any]) -> None:
     DamagedError
         If the group is missing, cannot be decoded or is not the one recorded.
     """
-    _whole(directory, record["group"], record.get("metadata"), record.get("member")).check(record["arrays"])
+    group = _read_whole(directory, record["group"], record.get("metadata"), record.get("member"))
+    group.check(record["arrays"])
 
 
-def _whole(
+def _read_whole(
     directory: Path | str, group: str, metadata: str | None = None, member: str | None = None
 ) -> Group:
-    return Group.whole(location.at(_home(directory, group)), f"{STORE}/{group}", group, metadata, member)
+    return Group.read_whole(location.at(_home(directory, group)), f"{STORE}/{group}", group, metadata, member)
 
 
 def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":

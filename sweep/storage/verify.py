@@ -24,9 +24,9 @@ class Damage:
         return f"{self.unit.stage_name}/{self.unit.id}: {self.reason}"
 
 
-def damaged(directory: Path, units: Iterable[Unit]) -> Iterator[Damage]:
+def find_damage(directory: Path, units: Iterable[Unit]) -> Iterator[Damage]:
     """Read the stored results of units that have a record; yield those that are damaged."""
-    present = records.present(directory)
+    present = records.ids_of(directory)
     there = [unit for unit in units if unit.id in present]
     with ThreadPoolExecutor(THREADS) as pool:
         for unit, reason in zip(there, pool.map(lambda unit: _fault(directory, unit), there), strict=True):
@@ -36,7 +36,7 @@ def damaged(directory: Path, units: Iterable[Unit]) -> Iterator[Damage]:
 
 def withdraw(directory: Path, units: Iterable[Unit]) -> list[Damage]:
     """Take back the records of damaged results, so that they are computed again; return what was damaged."""
-    found = list(damaged(directory, units))
+    found = list(find_damage(directory, units))
     for each in found:
         for home in records.homes(directory):
             records.withdraw(home, each.unit.stage_name, each.unit.id)

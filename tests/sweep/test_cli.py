@@ -40,9 +40,9 @@ def test_a_run_leaves_manifest_records_store_and_log(computed):
     (case,) = manifest["cases"]
     assert case["units"].keys() == {"moving-roughness", "full"}
     needed = {unit["unit_id"]: unit["scope"] for units in case["units"].values() for unit in units}
-    assert needed.keys() == records.present(computed / "out")
-    scopes = {record["kind"]: set() for record in records.committed(computed / "out")}
-    for record in records.committed(computed / "out"):
+    assert needed.keys() == records.ids_of(computed / "out")
+    scopes = {record["kind"]: set() for record in records.commits(computed / "out")}
+    for record in records.commits(computed / "out"):
         scopes[record["kind"]].add(needed[record["unit_id"]])
         assert record["run_id"] == manifest["run_id"]
     assert scopes == {
@@ -71,7 +71,7 @@ def test_a_run_leaves_manifest_records_store_and_log(computed):
 
 
 def test_spectra_can_be_read(computed):
-    for record in records.committed(computed / "out", "spectra"):
+    for record in records.commits(computed / "out", "spectra"):
         arrays, attributes = store.read_arrays(computed / "out", record["group"])
         assert arrays["mean_square"].shape == (len(attributes["receiver"]), arrays["band"].size)
         assert arrays["mean_square"].min() > 0.0
@@ -168,25 +168,25 @@ def test_a_failed_task_is_told_and_resumed(here, monkeypatch):
     assert status.exit_code == 0
     assert "0 of 1 complete" in status.output
     assert "ZeroDivisionError" in status.output
-    assert len(list(records.committed(here / "runs" / "small", "spectra"))) == 1  # the full model needs none
+    assert len(list(records.commits(here / "runs" / "small", "spectra"))) == 1  # the full model needs none
     monkeypatch.undo()
     monkeypatch.chdir(here)
     monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     assert invoke("resume", "runs/small", "--failed", "--workers", 0).exit_code == 0
     assert "1 of 1 complete" in invoke("status", "runs/small").output
-    assert list(records.failed(here / "runs" / "small")) == []
+    assert list(records.failures(here / "runs" / "small")) == []
 
 
 def test_damage_is_repaired_within_a_run(here):
     assert invoke("run", "small.toml", "--workers", 0).exit_code == 0
     out = here / "runs" / "small"
-    first = next(records.committed(out, "transfer"))
+    first = next(records.commits(out, "transfer"))
     name = next(name for name in ("rail", "ground") if name in first["arrays"])
     (out / store.STORE / first["group"] / name / "c.0.0").unlink()
-    for record in records.committed(out, "spectra"):
+    for record in records.commits(out, "spectra"):
         records.withdraw(out, "spectra", record["unit_id"])
     for stage in ("line_integrals", "quasi_static", "moving_transfer", "receptance"):
-        for record in records.committed(out, stage):
+        for record in records.commits(out, stage):
             records.withdraw(out, stage, record["unit_id"])
     from sweep.running import task
 
@@ -224,7 +224,7 @@ def test_ctrl_c_stops_cleanly(here):
     assert driver.left_behind(process.pid) == []
     assert records.Run.load(here / "runs" / "small")["exit_status"] == 130
     assert "interrupted, exit status 130" in invoke("status", "runs/small").output
-    assert len(records.present(here / "runs" / "small")) > 0
+    assert len(records.ids_of(here / "runs" / "small")) > 0
     assert not (here / "runs" / "small" / lock.LOCK).exists()
 
 

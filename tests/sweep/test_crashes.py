@@ -66,7 +66,7 @@ def volatile(column):
 
 
 def arrays(directory):
-    return {record["unit_id"]: record["arrays"] for record in records.committed(directory)}
+    return {record["unit_id"]: record["arrays"] for record in records.commits(directory)}
 
 
 def logged(directory, run_id):
@@ -82,7 +82,7 @@ def workers():
 
 
 def run(directory, wanted, crew):
-    made = plan.make(wanted, records.present(directory))
+    made = plan.make(wanted, records.ids_of(directory))
     settled = []
     tally = scheduler.run(
         made,
@@ -122,7 +122,7 @@ def test_six_killed_workers_lose_nothing(tmp_path):
     assert len(killed) == 6
     assert (tally.total, tally.done, tally.failed, tally.skipped) == (300, 300, 0, 0)
     assert len(os.listdir(marks)) <= 330
-    assert Counter(each["unit_id"] for each in records.committed(tmp_path / "killed")).total() == 300
+    assert Counter(each["unit_id"] for each in records.commits(tmp_path / "killed")).total() == 300
     run(tmp_path / "undisturbed", wanted, scheduler.ThisProcess())
     assert arrays(tmp_path / "killed") == arrays(tmp_path / "undisturbed")
 
@@ -148,13 +148,13 @@ def test_a_killed_driver_leaves_no_process_and_what_is_missing(folder, undisturb
     first = records.Run.load(directory)
     assert first["exit_status"] is None
     assert "state     dead: process" in invoke("status", directory).output
-    before = {record["unit_id"]: record for record in records.committed(directory)}
+    before = {record["unit_id"]: record for record in records.commits(directory)}
     tasks = logged(directory, first["run_id"])[0]["tasks"]
     assert 0 < len(before) < len(arrays(undisturbed))
     resumed = invoke("resume", directory, "--workers", 0)
     assert resumed.exit_code == 0, resumed.output
     assert f"process {process.pid} on " in resumed.output
-    after = {record["unit_id"]: record for record in records.committed(directory)}
+    after = {record["unit_id"]: record for record in records.commits(directory)}
     assert {unit: record for unit, record in after.items() if record["run_id"] == first["run_id"]} == before
     second = logged(directory, records.Run.load(directory)["run_id"])
     computed = [line["task"] for line in second if line["event"] == "done"]
@@ -228,13 +228,15 @@ def test_poisoned_cases_fail_alone_and_are_retried(folder, computed, monkeypatch
     monkeypatch.setenv(poisoned.POISON, '{"31": "raise", "32": "kill"}')
     result = invoke("run", folder / "small.toml", "--out", directory, "--workers", 2)
     assert result.exit_code == 1, result.output
-    failures = {record["inputs"]["speed"] * KMH: record["traceback"] for record in records.failed(directory)}
-    assert {round(speed, 6) for speed in failures} == {31.0, 32.0}
-    told = "".join(failures.values())
+    tracebacks = {
+        record["inputs"]["speed"] * KMH: record["traceback"] for record in records.failures(directory)
+    }
+    assert {round(speed, 6) for speed in tracebacks} == {31.0, 32.0}
+    told = "".join(tracebacks.values())
     assert "Traceback" in told
     assert "ArithmeticError: poisoned at 31 km/h" in told
     assert scheduler.LOST in told
-    assert len(list(records.committed(directory, "spectra"))) == 2
+    assert len(list(records.commits(directory, "spectra"))) == 2
     status = invoke("status", directory).output
     assert "2 of 4 complete" in status
     assert "failures  2" in status

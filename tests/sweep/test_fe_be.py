@@ -34,7 +34,7 @@ def test_degenerate_model_stores_what_moving_roughness_stores(tmp_path, monkeypa
     result = invoke("run", tmp_path / "both.toml", "--out", tmp_path / "out", "--workers", 0)
     assert result.exit_code == 0, result.output
     made = {}
-    for record in records.committed(tmp_path / "out", "spectra"):
+    for record in records.commits(tmp_path / "out", "spectra"):
         made[record["inputs"]["approach"]] = store.read(
             tmp_path / "out", record["group"], Spectra, record["arrays"]
         )

@@ -24,23 +24,23 @@ def check_stopped(process, directory, reason):
     assert reason in errors
     assert "what was stored before is whole; make space, and continue with: railvib resume" in errors
     assert "Traceback" not in errors
-    assert list(records.failed(directory)) == []
+    assert list(records.failures(directory)) == []
     assert "damaged   0" in invoke("status", "--verify", directory).output
-    return {record["unit_id"]: record for record in records.committed(directory)}
+    return {record["unit_id"]: record for record in records.commits(directory)}
 
 
 def check_resumed(directory, before, computed):
     """Check that a run goes on from what it had, to what it would have had at once."""
     result = invoke("resume", directory, "--workers", 0)
     assert result.exit_code == 0, result.output
-    after = {record["unit_id"]: record for record in records.committed(directory)}
+    after = {record["unit_id"]: record for record in records.commits(directory)}
     assert before.items() <= after.items()
-    undisturbed = {record["unit_id"]: record["arrays"] for record in records.committed(computed / "out")}
+    undisturbed = {record["unit_id"]: record["arrays"] for record in records.commits(computed / "out")}
     assert {unit: record["arrays"] for unit, record in after.items()} == undisturbed
 
 
 def test_a_limit_on_the_size_of_files(folder, computed):
-    tables = records.committed(computed / "out", "transfer")
+    tables = records.commits(computed / "out", "transfer")
     record = max(tables, key=lambda each: each["costs"][-1]["bytes_written"])
     rows, nodes = record["arrays"]["wavenumber"]["shape"]
     limit = 16 * rows * nodes - 1  # the largest of the transfer functions is too large by a byte

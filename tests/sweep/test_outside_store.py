@@ -42,7 +42,7 @@ def stages_at(home):
 
 def arrays(directory):
     """Return the checksums of all arrays that a run rests on, by unit."""
-    return {record["unit_id"]: record["arrays"] for record in records.committed(directory)}
+    return {record["unit_id"]: record["arrays"] for record in records.commits(directory)}
 
 
 def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, monkeypatch):
@@ -67,7 +67,7 @@ def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, m
     assert "1 of 1 complete" in invoke("status", out).output
     assert "everything is there" in invoke("plan", "small.toml").output
 
-    record = next(records.committed(out, "transfer"))
+    record = next(records.commits(out, "transfer"))
     group = f"studies/{store.STORE}/{record['group']}"
     with xarray.open_zarr(ObjectStore(S3Store("vibration", prefix=group), read_only=True)) as dataset:
         assert dataset.wavenumber.dims == ("frequency", "node")
@@ -125,7 +125,7 @@ def outside(request, tmp_path):
 
 
 def run(directory, wanted, outside):
-    made = plan.make(wanted, records.listed(directory) | records.listed(outside))
+    made = plan.make(wanted, records.ids_at(directory) | records.ids_at(outside))
     place = Place(str(directory), "run-1", toy.__name__, store=outside)
     task.forget()  # as another process would
     return scheduler.run(made, place, scheduler.ThisProcess(), lambda *_: None)
@@ -210,11 +210,11 @@ def test_two_drivers_at_once_share_a_store(here, computed, outside):
     assert len(both) == len(arrays(small)) + 2  # but for the other study's spectra all is shared
     for directory in (small, other):
         assert stages_at(directory) - {"failed", "runs"} == {"spectra"}
-        for record in records.committed(directory):
+        for record in records.commits(directory):
             store.check(directory, record)
-    by_run = {record["run_id"] for record in records.committed(small) if record["kind"] in SHARED}
+    by_run = {record["run_id"] for record in records.commits(small) if record["kind"] in SHARED}
     assert by_run <= {each["run_id"] for each in manifests}
-    groups = [record["group"] for record in records.committed(small) if record["kind"] in SHARED]
+    groups = [record["group"] for record in records.commits(small) if record["kind"] in SHARED]
     there = sum(len(location.at(outside).names(f"{store.STORE}/{stage}")) for stage in SHARED)
     # The same bytes whoever computed them: at most one group each, beside the zarr.json of its stage.
     assert len(set(groups)) <= there - len(SHARED) <= len(groups)

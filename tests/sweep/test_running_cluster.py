@@ -55,7 +55,7 @@ def started(folder, *tls, workers=2, threads=1):
 
 def assert_complete(out, workers):
     assert "1 of 1 complete" in invoke("status", out).output
-    made = {record["worker"] for record in records.committed(out, "spectra")}
+    made = {record["worker"] for record in records.commits(out, "spectra")}
     assert 1 <= len(made) <= workers
     assert f"{socket.gethostname()}:{os.getpid()}" not in made
 

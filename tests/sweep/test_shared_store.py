@@ -38,16 +38,16 @@ def test_two_drivers_share_a_store(tmp_path, computed, monkeypatch):
     )
     assert max(began) < min(ended)  # they did run at once
     ground = [units(manifest, "ground") for manifest in manifests]
-    assert ground[0] == ground[1] <= records.listed(shared)
-    assert {each["run_id"] for each in records.committed(shared)} == {each["run_id"] for each in manifests}
+    assert ground[0] == ground[1] <= records.ids_at(shared)
+    assert {each["run_id"] for each in records.commits(shared)} == {each["run_id"] for each in manifests}
     for name in ("one", "other"):
         status = invoke("status", "--verify", tmp_path / "runs" / name)
         assert status.exit_code == 0, status.output
         assert "damaged   0" in status.output
         assert "2 of 2 complete" in status.output
-        assert records.listed(tmp_path / "runs" / name).isdisjoint(records.listed(shared))
-    undisturbed = {record["unit_id"]: record["arrays"] for record in records.committed(computed / "out")}
-    found = {record["unit_id"]: record["arrays"] for record in records.committed(shared)}
+        assert records.ids_at(tmp_path / "runs" / name).isdisjoint(records.ids_at(shared))
+    undisturbed = {record["unit_id"]: record["arrays"] for record in records.commits(computed / "out")}
+    found = {record["unit_id"]: record["arrays"] for record in records.commits(shared)}
     common = undisturbed.keys() & found.keys()
     assert ground[0] <= common
     assert {unit: found[unit] for unit in common} == {unit: undisturbed[unit] for unit in common}

@@ -68,7 +68,7 @@ def await_(condition, seconds=120.0):
 def assert_complete(out):
     cases = len(records.Run.load(out)["cases"])
     assert f"{cases} of {cases} complete" in invoke("status", out).output
-    made = {record["worker"] for record in records.committed(out)}
+    made = {record["worker"] for record in records.commits(out)}
     assert os.getpid() not in {int(worker.rpartition(":")[2]) for worker in made}
     return made
 

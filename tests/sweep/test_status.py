@@ -24,13 +24,13 @@ def unfinished(directory):
 
 
 def arrays(directory):
-    return {record["unit_id"]: record["arrays"] for record in records.committed(directory)}
+    return {record["unit_id"]: record["arrays"] for record in records.commits(directory)}
 
 
 def group(directory, stage):
     """Return the folder of a group with the most units of a stage, and these units by their labels there."""
     units = {}
-    for record in records.committed(directory, stage):
+    for record in records.commits(directory, stage):
         units.setdefault(record["group"], {})[record["member"]] = record["unit_id"]
     name = max(units, key=lambda each: len(units[each]))
     return directory / store.STORE / name, units[name]

@@ -46,7 +46,7 @@ def test_stored_spectra_are_those_of_predict(computed):
         maximum_frequency=8.0,
         tolerance=1e-3,
     )
-    for record in records.committed(computed / "out", "spectra"):
+    for record in records.commits(computed / "out", "spectra"):
         made = store.read(computed / "out", record["group"], Spectra, record["arrays"])
         np.testing.assert_allclose(made.band, third_octaves.midbands(4.0, 8.0))
         for receiver, offset in (("rail", np.nan), ("ground", 8.0)):
@@ -135,7 +135,7 @@ def test_scopes():
 
 def test_estimates_are_near_what_is_stored(computed):
     estimated = stored = 0
-    for record in records.committed(computed / "out"):
+    for record in records.commits(computed / "out"):
         unit = unit_of(stage_of(record["kind"], record["inputs"]))
         assert unit.id == record["unit_id"]
         estimated += unit.stage.nbytes()

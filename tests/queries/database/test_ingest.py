@@ -99,7 +99,7 @@ def test_frequencies_of_blocks_that_overlap_arrive_once(study, halos_are_known):
     table = Receptance(frequency, np.array([-2.7, 0.0, 2.7]), receptance, inside if halos_are_known else None)
     written = group_writer.write(directory, "receptance/again", table, {})
     records.withdraw(directory, "receptance", "receptance-0-0")
-    records.commit(directory, record | written.recorded())
+    records.commit(directory, record | written.group_fields())
     ingest(directory)
     with connect(directory) as connection:
         found = connection.execute(
@@ -128,7 +128,7 @@ def test_a_second_ingest_does_nothing(study, monkeypatch):
     directory = study.write()
     ingest(directory)
     before = (directory / DATABASE).stat()
-    monkeypatch.setattr(records, "committed", lambda *_: pytest.fail("read the records"))
+    monkeypatch.setattr(records, "commits", lambda *_: pytest.fail("read the records"))
     assert not ingest(directory).changed
     after = (directory / DATABASE).stat()
     assert (after.st_ino, after.st_mtime_ns) == (before.st_ino, before.st_mtime_ns)

@@ -69,7 +69,7 @@ def test_a_run_takes_what_was_planned(name, rates, tmp_path, monkeypatch):
     assert measured["bytes"] / 3.0 < planned["bytes"] < 3.0 * measured["bytes"]
     assert planned["pilot_s"] == rates.pilot_s
     stored = sum(
-        cost["bytes_written"] for record in records.committed(tmp_path / "out") for cost in record["costs"]
+        cost["bytes_written"] for record in records.commits(tmp_path / "out") for cost in record["costs"]
     )
     assert measured["bytes"] == stored
 

@@ -17,7 +17,7 @@ from tests.sweep import toy
 
 
 def run(directory, wanted, crew, attempt=1):
-    made = plan.make(wanted, records.present(directory))
+    made = plan.make(wanted, records.ids_of(directory))
     place = Place(str(directory), "run-1", toy.__name__, attempt)
     task.forget()  # as another process would
     return scheduler.run(made, place, crew, lambda *_: None)
@@ -67,7 +67,7 @@ def test_a_process_reads_what_it_has_not_computed_itself(tmp_path):
     ]
     assert ["load" in stages for stages in costs] == [False, True]
     sums = [
-        {record["unit_id"]: record["arrays"] for record in records.committed(tmp_path / directory)}
+        {record["unit_id"]: record["arrays"] for record in records.commits(tmp_path / directory)}
         for directory in ("at-once", "in-turn")
     ]
     assert sums[0] == sums[1]
@@ -87,7 +87,7 @@ def test_of_a_result_that_came_second_nothing_is_held(tmp_path):
         def late(self, unit):
             patch.undo()  # the record that stands comes after this look
             records.withdraw(tmp_path, unit.stage_name, unit.id)
-            records.commit(tmp_path, {**record, **written.recorded()})
+            records.commit(tmp_path, {**record, **written.group_fields()})
 
         patch.setattr(Place, "find", late)
         assert task.execute("square", [unit], place).computed == 0
@@ -124,7 +124,7 @@ def test_a_record_that_has_been_replaced_since_gives_way_to_the_one_that_stands(
     other = group_writer.write(tmp_path, "square/other", toy.Numbers(np.full(3, 7.0), "another", (1, 2)), {})
     shutil.rmtree(tmp_path / store.STORE / record["group"])
     records.withdraw(tmp_path, unit.stage_name, unit.id)
-    records.commit(tmp_path, {**record, **other.recorded()})
+    records.commit(tmp_path, {**record, **other.group_fields()})
     for _ in range(2):
         np.testing.assert_array_equal(read(tmp_path, unit), np.full(3, 7.0))
 
@@ -184,10 +184,10 @@ def test_a_failure_stays_alone(tmp_path):
     tally = run(tmp_path, wanted, scheduler.ThisProcess())
     assert (tally.failed, tally.skipped) == (1, 2)
     assert [message for _, message in tally.failures] == ["ValueError: cannot square 3.0"]
-    (failure,) = records.failed(tmp_path)
+    (failure,) = records.failures(tmp_path)
     assert failure["status"] == "failed"
     assert failure["traceback"].endswith("ValueError: cannot square 3.0\n")
-    assert {wanted[0].id, wanted[2].id} <= records.present(tmp_path)
+    assert {wanted[0].id, wanted[2].id} <= records.ids_of(tmp_path)
 
 
 def test_damage_is_found_on_use_and_made_good(tmp_path):
@@ -214,11 +214,11 @@ def test_workers_compute_the_same(tmp_path):
         "dask" in " ".join(child.cmdline()) for child in psutil.Process().children(recursive=True)
     )
     sums = {
-        where: {record["unit_id"]: record["arrays"] for record in records.committed(tmp_path / where)}
+        where: {record["unit_id"]: record["arrays"] for record in records.commits(tmp_path / where)}
         for where in ("one", "two")
     }
     assert sums["one"] == sums["two"]
-    workers = {record["worker"] for record in records.committed(tmp_path / "two")}
+    workers = {record["worker"] for record in records.commits(tmp_path / "two")}
     assert len(workers) == 2
 
 
@@ -228,8 +228,8 @@ def test_a_task_that_kills_its_worker_fails_alone(tmp_path):
         tally = run(tmp_path, wanted, crew)
     assert (tally.failed, tally.skipped) == (1, 3)
     assert all(error == scheduler.LOST for _, error in tally.failures)
-    assert len(list(records.committed(tmp_path, "total"))) == 13
-    assert {failure["kind"] for failure in records.failed(tmp_path)} == {"square"}
+    assert len(list(records.commits(tmp_path, "total"))) == 13
+    assert {failure["kind"] for failure in records.failures(tmp_path)} == {"square"}
 
 
 def test_what_an_interruption_raises_is_no_failure(tmp_path, monkeypatch):
@@ -238,6 +238,6 @@ def test_what_an_interruption_raises_is_no_failure(tmp_path, monkeypatch):
     monkeypatch.setattr(signals, "_received", [15])
     with pytest.raises(KeyboardInterrupt):
         task.execute("square", [unit], place)
-    assert list(records.failed(tmp_path)) == []
+    assert list(records.failures(tmp_path)) == []
     monkeypatch.setattr(signals, "_received", [])
     assert task.execute("square", [unit], place).status == "failed"

@@ -30,8 +30,8 @@ def inside(arrays, block):
 
 def test_the_grid_holds_what_is_stored(computed, grid):
     column = grid.sel(soil="horstwalde", track="ballasted-paper").compute()
-    for record in records.committed(computed / "out", "transfer"):
-        arrays, attributes = store.read_recorded(computed / "out", record)
+    for record in records.commits(computed / "out", "transfer"):
+        arrays, attributes = store.read_result(computed / "out", record)
         stored = arrays["rail" if record["inputs"]["receiver"] == "rail" else "ground"]
         assert attributes["receiver"] in arrays
         kept = inside(arrays, record["inputs"]["block"])
@@ -44,16 +44,16 @@ def test_the_grid_holds_what_is_stored(computed, grid):
 
 def test_it_holds_nothing_else(computed, grid):
     rows = sum(
-        inside(store.read_recorded(computed / "out", record)[0], record["inputs"]["block"]).sum()
-        for record in records.committed(computed / "out", "transfer")
+        inside(store.read_result(computed / "out", record)[0], record["inputs"]["block"]).sum()
+        for record in records.commits(computed / "out", "transfer")
     )
     assert np.isfinite(grid.wavenumber.isel(node=0).values).sum() == rows
 
 
 def test_moving_loads_are_those_of_the_full_model(computed, grid):
     column = grid.sel(soil="horstwalde", track="ballasted-paper").compute()
-    for record in records.committed(computed / "out", "moving_transfer"):
-        arrays, _attributes = store.read_recorded(computed / "out", record)
+    for record in records.commits(computed / "out", "moving_transfer"):
+        arrays, _attributes = store.read_result(computed / "out", record)
         assert len(record["inputs"]["blocks"]) > 1
         here = column.sel(speed_kmh=30.0, frequency=arrays["frequency"])
         np.testing.assert_array_equal(here.rail_moving.values, arrays["rail_moving"])

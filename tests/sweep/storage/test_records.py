@@ -49,7 +49,7 @@ def test_many_are_written_where_there_are_none_that_can_be_read(tmp_path):
     path.write_text(path.read_text().replace("first", "other"))
     made = [record(each, worker="second") for each in "abc"]
     assert records.commit_many(tmp_path, made) == [False, True, True]
-    assert [each["worker"] for each in records.committed(tmp_path)] == ["first", "second", "second"]
+    assert [each["worker"] for each in records.commits(tmp_path)] == ["first", "second", "second"]
 
 
 def test_nothing_is_left_aside(tmp_path):
@@ -61,30 +61,30 @@ def test_nothing_is_left_aside(tmp_path):
 def test_records_are_read_by_stage(tmp_path):
     for stage, unit_id in [("total", "c"), ("square", "b"), ("square", "a")]:
         records.commit(tmp_path, record(unit_id, kind=stage))
-    assert [each["unit_id"] for each in records.committed(tmp_path)] == ["a", "b", "c"]
-    assert [each["unit_id"] for each in records.committed(tmp_path, "square")] == ["a", "b"]
-    assert records.present(tmp_path) == {"a", "b", "c"}
+    assert [each["unit_id"] for each in records.commits(tmp_path)] == ["a", "b", "c"]
+    assert [each["unit_id"] for each in records.commits(tmp_path, "square")] == ["a", "b"]
+    assert records.ids_of(tmp_path) == {"a", "b", "c"}
 
 
 def test_an_empty_directory_has_none(tmp_path):
-    assert list(records.committed(tmp_path)) == []
-    assert list(records.committed(tmp_path, "square")) == []
-    assert list(records.failed(tmp_path)) == []
+    assert list(records.commits(tmp_path)) == []
+    assert list(records.commits(tmp_path, "square")) == []
+    assert list(records.failures(tmp_path)) == []
     assert records.runs(tmp_path) == []
-    assert records.present(tmp_path) == set()
+    assert records.ids_of(tmp_path) == set()
 
 
 def test_a_success_withdraws_the_failure(tmp_path):
     records.fail(tmp_path, record("a", status="failed", traceback="…"))
-    assert [each["unit_id"] for each in records.failed(tmp_path)] == ["a"]
+    assert [each["unit_id"] for each in records.failures(tmp_path)] == ["a"]
     records.commit(tmp_path, record("a"))
-    assert list(records.failed(tmp_path)) == []
+    assert list(records.failures(tmp_path)) == []
 
 
 def test_a_late_failure_does_not_hide_a_success(tmp_path):
     records.commit(tmp_path, record("a"))
     records.fail(tmp_path, record("a", status="failed", traceback="…"))
-    assert list(records.failed(tmp_path)) == []
+    assert list(records.failures(tmp_path)) == []
 
 
 def test_a_torn_record_is_none(tmp_path):
@@ -92,7 +92,7 @@ def test_a_torn_record_is_none(tmp_path):
     path = tmp_path / "records" / "square" / "a.json"
     path.write_bytes(path.read_bytes()[:-5])
     assert records.find(tmp_path, "square", "a") is None
-    assert list(records.committed(tmp_path)) == []
+    assert list(records.commits(tmp_path)) == []
 
 
 def test_an_altered_record_is_none_and_the_next_one_stands(tmp_path):

@@ -219,7 +219,7 @@ def read_member(tmp_path, request):
     """Read one of several results of a group: what is needed of it, or after a look at all metadata."""
 
     def one(written):
-        recorded = written.recorded()
+        recorded = written.group_fields()
         if request.param == "whole":
             recorded["group_metadata"] = None
         return store.read(tmp_path, result_type=Table, **recorded)
@@ -253,12 +253,12 @@ def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member, monkeyp
     for label, each in written.items():
         assert_same_table(read_member(each), TABLES[label])
         assert_same_table(group_writer.restore(each, Table), TABLES[label])
-        store.check(tmp_path, each.recorded())
+        store.check(tmp_path, each.group_fields())
         stored = store.read_array(tmp_path, each.group, each.member, "ground")
         np.testing.assert_array_equal(stored, TABLES[label].transfer)
         stored = store.read_array(tmp_path, each.group, each.member, "frequency")
         np.testing.assert_array_equal(stored, GRID.frequency)
-    arrays, attributes = store.read_recorded(tmp_path, written["12.5"].recorded())
+    arrays, attributes = store.read_result(tmp_path, written["12.5"].group_fields())
     assert arrays.keys() == {"edge", "frequency", "ground"}
     said = {"name": "ground", "offset": 12.5, "unit_id": "id-12.5"}
     assert attributes == {"kind": "table", "level": 3, **said}
@@ -296,10 +296,10 @@ def test_damage_of_one_array_is_that_of_the_results_that_have_it(tmp_path, read_
             with pytest.raises(store.DamagedError, match="table/1"):
                 read_member(each)
             with pytest.raises(store.DamagedError, match="table/1"):
-                store.check(tmp_path, each.recorded())
+                store.check(tmp_path, each.group_fields())
         else:
             assert_same_table(read_member(each), TABLES[label])
-            store.check(tmp_path, each.recorded())
+            store.check(tmp_path, each.group_fields())
 
 
 def test_results_that_have_changed_places_are_damaged(tmp_path, read_member):
@@ -320,7 +320,7 @@ def test_altered_metadata_of_a_group_are_those_of_all_its_results(tmp_path, path
     place.write_text(place.read_text().replace('"units":"m2/N"', '"units":"m3/N"').replace('"Hz"', '"kHz"'))
     for each in written.values():
         with pytest.raises(store.DamagedError, match="metadata"):
-            store.check(tmp_path, each.recorded())
+            store.check(tmp_path, each.group_fields())
 
 
 def test_a_record_that_names_another_result_is_damage(tmp_path, read_member):
@@ -367,7 +367,7 @@ def test_damage_is_found_against_the_record(tmp_path, spectrum, how):
 
 def test_altered_attributes_are_found_against_the_record(tmp_path, spectrum):
     written = write(tmp_path, spectrum)
-    record = written.recorded()
+    record = written.group_fields()
     store.check(tmp_path, record)
     path = tmp_path / store.STORE / written.group / "zarr.json"
     path.write_text(path.read_text().replace('"level":2', '"level":3'))
@@ -478,7 +478,7 @@ def test_results_that_are_read_share_one_object(tmp_path):
     writer = group_writer.Writer(tmp_path)
     rail = writer("table/rail", TABLES["rail"], {})
     ground = stored_together(tmp_path, "8", "12.5")
-    records = [each.recorded() for each in (rail, *ground.values())]
+    records = [each.group_fields() for each in (rail, *ground.values())]
     one, other, third = (store.read(tmp_path, result_type=Table, **record) for record in records)
     assert one.grid is other.grid is third.grid
     assert group_writer.restore(ground["8"], Table).grid is one.grid
@@ -487,7 +487,7 @@ def test_results_that_are_read_share_one_object(tmp_path):
         (Grid(GRID.frequency, Edges(np.zeros(3)), 3), False),
     ):
         written = writer("table/2", dataclasses.replace(TABLES["8"], grid=changed), {})
-        found = store.read(tmp_path, result_type=Table, **written.recorded())
+        found = store.read(tmp_path, result_type=Table, **written.group_fields())
         assert found.grid is not one.grid
         assert (found.grid.edges is one.grid.edges) is same_edges
     plain = store.read(tmp_path, ground["8"].group, Table, member="8")  # with no record of the content
@@ -569,7 +569,7 @@ def test_an_array_is_hashed_once_but_where_all_is_to_be_compared(tmp_path, spect
     for _ in range(2):
         assert_equal(whole(tmp_path, written), spectrum)
     assert sorted(hashed) == [(), (3,), (3,), (3, 5)]
-    store.check(tmp_path, written.recorded())
+    store.check(tmp_path, written.group_fields())
     assert sorted(hashed) == sorted(2 * [(), (3,), (3,), (3, 5)])
 
 
@@ -584,14 +584,14 @@ def test_what_this_process_has_written_is_not_hashed(tmp_path, spectrum, hashed,
 
 def test_arrays_of_a_record_come_with_the_attributes_of_the_group(tmp_path, spectrum):
     written = write(tmp_path, spectrum)
-    arrays, attributes = store.read_recorded(tmp_path, written.recorded())
+    arrays, attributes = store.read_result(tmp_path, written.group_fields())
     assert arrays.keys() == written.arrays.keys()
     np.testing.assert_array_equal(arrays["transfer"], spectrum.transfer)
     assert attributes["receivers"] == ["rail", "ground"]
     del arrays
     damage(tmp_path, written, "replace")
     with pytest.raises(store.DamagedError, match="transfer is not the one recorded"):
-        store.read_recorded(tmp_path, written.recorded())
+        store.read_result(tmp_path, written.group_fields())
 
 
 def test_the_arrays_remembered_are_limited(tmp_path, spectrum, hashed, monkeypatch):
@@ -619,7 +619,7 @@ def test_arrays_that_the_record_lacks_or_has_beside_are_damage(tmp_path, spectru
         with pytest.raises(store.DamagedError, match="array (count|other)"):
             whole(tmp_path, dataclasses.replace(written, arrays=arrays))
         with pytest.raises(store.DamagedError, match="array (count|other)"):
-            store.check(tmp_path, {**written.recorded(), "arrays": arrays})
+            store.check(tmp_path, {**written.group_fields(), "arrays": arrays})
 
 
 def test_a_group_repeats_what_its_arrays_say_and_that_is_what_is_read(tmp_path, spectrum):
@@ -631,7 +631,7 @@ def test_a_group_repeats_what_its_arrays_say_and_that_is_what_is_read(tmp_path, 
     (group / "transfer" / "zarr.json").write_text("{")
     assert_equal(whole(tmp_path, written), spectrum)
     with pytest.raises(store.DamagedError, match="metadata"):
-        store.check(tmp_path, written.recorded())
+        store.check(tmp_path, written.group_fields())
 
 
 def test_the_same_result_again_changes_no_file(tmp_path, spectrum):

@@ -25,7 +25,7 @@ TASKS = 8
 
 
 def run(directory, crew, wanted):
-    made = plan.make(wanted, records.listed(directory))
+    made = plan.make(wanted, records.ids_at(directory))
     return scheduler.run(made, Place(str(directory), "run-1", toy.__name__), crew, lambda *_: None)
 
 
@@ -34,7 +34,7 @@ def wanted(**more):
 
 
 def workers(directory):
-    return {record["worker"] for record in records.committed(directory)}
+    return {record["worker"] for record in records.commits(directory)}
 
 
 def listening():
