@@ -84,10 +84,10 @@ def sql(named: Path, statement: str, form: str, output: Path | None, **limits: f
     """Ask RESULTS, a run directory or a database file, one question in SQL; nothing can be changed."""
     from queries import answers
 
-    answers.answer(named, statement, form, output, (), answers.Limits(*_ordered(limits)))
+    answers.answer(named, statement, form, output, (), answers.Limits(*_limit_values(limits)))
 
 
-def _ordered(limits: dict[str, float]) -> tuple[float, float, float]:
+def _limit_values(limits: dict[str, float]) -> tuple[float, float, float]:
     return limits["time_limit"], limits["memory_limit"], limits["print_limit"]
 
 
@@ -136,7 +136,7 @@ def queries(
             raise Refusal(f"--set {setting}: must be NAME=VALUE")
         values[key] = value
     parameters = question.values(values)
-    answers.answer(named, question.sql, form, output, parameters, answers.Limits(*_ordered(limits)))
+    answers.answer(named, question.sql, form, output, parameters, answers.Limits(*_limit_values(limits)))
 
 
 @click.command()

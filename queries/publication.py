@@ -81,7 +81,7 @@ def show(
     ResultsError
         If the results have no such approach, or cannot be grouped so.
     """
-    known = answers.requested(connection)
+    known = answers.requested_approaches(connection)
     for name in pair:
         if name is not None and name not in known:
             raise ResultsError(f"{name}: no such approach in {place.named}, which has {', '.join(known)}")
@@ -97,7 +97,7 @@ def show(
         console.print()
         table.show(console)
     console.print()
-    for sentence in (*answers.missing(connection), *answers.extrapolated(connection)):
+    for sentence in (*answers.missing_notes(connection), *answers.extrapolation_notes(connection)):
         console.print(Text(sentence, style="bold"), soft_wrap=True)
     products = {"database": place.path, "figures": place.figures, "report": place.report}
     if place.directory is not None:

@@ -44,18 +44,18 @@ def cautions(resolved: Resolved) -> list[str]:
         assert isinstance(ground, Ground)
         for track_name, track in resolved.objects["track"].items():
             assert isinstance(track, Track)
-            with _collected(f"{name}, {track_name}", messages):
+            with _collect_warnings(f"{name}, {track_name}", messages):
                 check_speed(ground, track, max(speeds))
                 check_contact(ground, track, float(lower[0]), float(upper[-1]))
     for name, unevenness in resolved.objects["unevenness"].items():
         assert isinstance(unevenness, Unevenness)
-        with _collected(name, messages):
+        with _collect_warnings(name, messages):
             check_unevenness(unevenness, midband, speeds)
     return messages
 
 
 @contextmanager
-def _collected(name: str, messages: list[str]) -> Iterator[None]:
+def _collect_warnings(name: str, messages: list[str]) -> Iterator[None]:
     """Append what is warned of to the messages, under a name."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", PlausibilityWarning)

@@ -79,7 +79,7 @@ def plan(study: Path, out: Path | None, store: str | None) -> None:
     prepared = driver.plan(resolved, directory, store, Launch(workers=0))
     for text in prepared.cautions():
         _say(f"warning: {text}", err=True)
-    workers = Launch().here
+    workers = Launch().local_processes
     click.echo(estimate.describe(prepared.request, prepared.planned, directory, workers))
     driver.check_fits(prepared, workers)
 
@@ -91,13 +91,13 @@ def plan(study: Path, out: Path | None, store: str | None) -> None:
 @computing
 def run(study: Path, out: Path | None, store: str | None, **launch: Any) -> None:
     """Compute what is missing of STUDY, and publish the results."""
-    with _collecting_later():
+    with _collect_garbage_later():
         launched = _launch(launch, out or _RUNS / study.stem)
         from sweep import driver
 
         resolved = _load(study)
         prepared = driver.plan(resolved, out or _default_directory(resolved), store, launched)
-        driver.check_fits(prepared, launched.here)
+        driver.check_fits(prepared, launched.local_processes)
     sys.exit(driver.drive(prepared, launched))
 
 
@@ -108,12 +108,12 @@ def run(study: Path, out: Path | None, store: str | None, **launch: Any) -> None
 @computing
 def resume(directory: Path, failed: bool, store: str | None, **launch: Any) -> None:
     """Compute what is missing, damaged or failed of the latest run in DIRECTORY."""
-    with _collecting_later():
+    with _collect_garbage_later():
         launched = _launch(launch, directory)
         from sweep import driver
 
         prepared = driver.plan(_latest(directory), directory, store, launched)
-        driver.check_fits(prepared, launched.here)
+        driver.check_fits(prepared, launched.local_processes)
     sys.exit(driver.drive(prepared, launched, mend=True, only_failed=failed))
 
 
@@ -151,7 +151,7 @@ def _faults(directory: Path) -> list[str]:
 
 
 @contextmanager
-def _collecting_later() -> Iterator[None]:
+def _collect_garbage_later() -> Iterator[None]:
     """Leave garbage alone meanwhile: a fifth of the time to import all that a run needs goes into it."""
     gc.disable()
     try:

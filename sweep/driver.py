@@ -125,14 +125,14 @@ def _renew(prepared: Prepared, mend: bool, only_failed: bool) -> Prepared:
     """Return the request planned anew, after damaged results have been withdrawn, or for failed ones only."""
     request, directory = prepared.request, prepared.directory
     if mend:
-        _withdraw_damaged(request, directory)
+        _withdraw_damage(request, directory)
         request = prepare(request.resolved, directory, request.store, complete=True)
     if only_failed:
         request = request.resting_on({record["unit_id"] for record in records.failures(directory)})
     return Prepared(request, directory, forecast(request), prepared.cautions)
 
 
-def _withdraw_damaged(request: Request, directory: Path) -> None:
+def _withdraw_damage(request: Request, directory: Path) -> None:
     for damage in withdraw(directory, request.plan.units.values()):
         click.echo(f"damaged: {printable(str(damage))}; it is computed again", err=True)
     hooks.published_faults(directory, repair=True)

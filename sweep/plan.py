@@ -127,10 +127,10 @@ def _tasks(
         key = keys[group[0].id]
         after = {keys[other] for unit in group for other in needs[unit.id] if other in missing}
         tasks[key] = Task(key, tuple(group), frozenset(after - {key}))
-    return _ordered(tasks)
+    return _sort(tasks)
 
 
-def _ordered(tasks: Mapping[str, Task]) -> dict[str, Task]:
+def _sort(tasks: Mapping[str, Task]) -> dict[str, Task]:
     """Return tasks sorted so that each stands after those it needs.
 
     Raises

@@ -72,10 +72,10 @@ class Grid:
 
 def kernel(ground: Ground, omega: float) -> Flexibility:
     """Return railvib's compiled flexibility at one angular frequency in rad/s."""
-    return partial(_compiled, ground.stack(), ground.base == "rigid", omega)
+    return partial(_flexibility, ground.stack(), ground.base == "rigid", omega)
 
 
-def _compiled(stack: np.ndarray, rigid: bool, omega: float, wavenumber: np.ndarray) -> np.ndarray:
+def _flexibility(stack: np.ndarray, rigid: bool, omega: float, wavenumber: np.ndarray) -> np.ndarray:
     return np.asarray(surface_flexibilities(wavenumber, omega, stack, rigid))
 
 

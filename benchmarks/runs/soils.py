@@ -6,7 +6,7 @@ from railvib import library
 from railvib.parameters.ground import Ground
 
 
-def graded(layers: int, stiffness: float = 1.0) -> dict[str, Any]:
+def graded_soil(layers: int, stiffness: float = 1.0) -> dict[str, Any]:
     """Return a soil whose shear speed grows from 100 to 300 m/s over 8 m, in equal layers on a half-space.
 
     `stiffness` multiplies all speeds.
@@ -30,4 +30,4 @@ def ground(layers: int) -> Ground:
         soil = library.load("soil", name)
         if len(soil.layers) == layers:
             return soil
-    return Ground(**graded(layers))
+    return Ground(**graded_soil(layers))

@@ -69,7 +69,7 @@ def text(size: Size, axis: str, value: float) -> str:
         case "offsets":
             keys["offsets_m"] = np.linspace(0.0, 100.0, count).round(6).tolist()
         case "layers":
-            keys |= {"soils": ["graded"], "definitions": {"soil.graded": soils.graded(count)}}
+            keys |= {"soils": ["graded"], "definitions": {"soil.graded": soils.graded_soil(count)}}
         case "vehicles":
             group = {"vehicle": "regina", "number": count}
             keys |= {"trains": ["long"], "definitions": {"train.long": group}}
@@ -78,7 +78,9 @@ def text(size: Size, axis: str, value: float) -> str:
             keys |= {"trains": names, "definitions": _trains(names)}
         case "soils":
             names = [f"soil-{i}" for i in range(count)]
-            definitions = {f"soil.{name}": soils.graded(3, 1.0 + 0.1 * i) for i, name in enumerate(names)}
+            definitions = {
+                f"soil.{name}": soils.graded_soil(3, 1.0 + 0.1 * i) for i, name in enumerate(names)
+            }
             keys |= {"soils": names, "definitions": definitions}
         case "speeds":
             keys["speeds_kmh"] = speeds_kmh(count)

@@ -1,6 +1,6 @@
 """What is asked of the results: comparisons, SQL, shipped questions, summaries and exports."""
 
-from queries.answers.approaches import in_order, label, reference, requested
+from queries.answers.approaches import in_order, label, reference, requested_approaches
 from queries.answers.cases import MANY_CASES, NamedCase, case_count, named_cases, varying
 from queries.answers.comparison import Levels, Pair, pairs
 from queries.answers.costs import cost_table, cost_table_of_runs
@@ -9,7 +9,7 @@ from queries.answers.export import export
 from queries.answers.provenance import tables as provenance_tables
 from queries.answers.questions import Question, question, questions
 from queries.answers.sql import Limits, answer, query
-from queries.answers.summary import extrapolated, missing, summary, verdicts
+from queries.answers.summary import extrapolation_notes, missing_notes, summary, verdicts
 from queries.answers.table import Table, band, plain
 
 __all__ = [
@@ -28,10 +28,10 @@ __all__ = [
     "cost_table_of_runs",
     "error_table",
     "export",
-    "extrapolated",
+    "extrapolation_notes",
     "in_order",
     "label",
-    "missing",
+    "missing_notes",
     "named_cases",
     "pairs",
     "plain",
@@ -40,7 +40,7 @@ __all__ = [
     "question",
     "questions",
     "reference",
-    "requested",
+    "requested_approaches",
     "summary",
     "varying",
     "verdicts",

@@ -32,7 +32,7 @@ def in_order(approaches: Iterable[str]) -> list[str]:
     return sorted(set(approaches), key=rank)
 
 
-def requested(connection: duckdb.DuckDBPyConnection) -> list[str]:
+def requested_approaches(connection: duckdb.DuckDBPyConnection) -> list[str]:
     """Return the approaches that the runs asked for, in the order in which they are shown."""
     rows = connection.execute("SELECT DISTINCT approach FROM current_units").fetchall()
     return in_order(name for (name,) in rows)

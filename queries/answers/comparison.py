@@ -8,7 +8,7 @@ from typing import Any
 
 import duckdb
 
-from queries.answers.approaches import reference, requested
+from queries.answers.approaches import reference, requested_approaches
 from queries.statements import statements
 
 _SQL = statements("queries.answers", "comparison")
@@ -69,7 +69,7 @@ class Pair:
             {**first.parameters, **second.parameters},
         )
 
-    def materialized(self, connection: duckdb.DuckDBPyConnection) -> "Pair":
+    def materialize(self, connection: duckdb.DuckDBPyConnection) -> "Pair":
         """Return the pair with its rows in a table of this connection, for what groups them repeatedly."""
         text = json.dumps([self.rows, dict(self.parameters)])
         table = f"pair_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
@@ -116,5 +116,5 @@ class Levels:
 def pairs(connection: duckdb.DuckDBPyConnection) -> list[Pair]:
     """Return every approach with the reference of the study."""
     against = reference(connection)
-    others = (name for name in requested(connection) if name != against)
-    return [Pair.of_approaches(name, against).materialized(connection) for name in others]
+    others = (name for name in requested_approaches(connection) if name != against)
+    return [Pair.of_approaches(name, against).materialize(connection) for name in others]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import duckdb
 
-from queries.database import ResultsError, connect, duckdb_path, locate, quoted, reason
+from queries.database import ResultsError, connect, duckdb_path, locate, quote, reason
 from queries.statements import statements
 
 _SQL = statements("queries.answers", "export")
@@ -68,7 +68,7 @@ def export(named: Path | str, folder: Path) -> list[str]:
             raise ResultsError(f"{folder}: is there already; an export needs a folder of its own")
         partial.mkdir(parents=True)
         with duckdb.connect(":memory:") as connection:
-            connection.execute(f"ATTACH {quoted(path)} AS results (READ_ONLY)")
+            connection.execute(f"ATTACH {quote(path)} AS results (READ_ONLY)")
             connection.execute("USE results")
             for table, columns in PARTITIONS.items():
                 _copy(connection, table, partial / table, f", PARTITION_BY ({', '.join(columns)})")
@@ -86,7 +86,7 @@ def export(named: Path | str, folder: Path) -> list[str]:
 
 
 def _copy(connection: duckdb.DuckDBPyConnection, table: str, path: Path, options: str = "") -> None:
-    file = quoted(str(path.absolute()))
+    file = quote(str(path.absolute()))
     connection.execute(f"COPY (FROM {table}) TO {file} (FORMAT parquet, COMPRESSION zstd{options})")
 
 

@@ -13,7 +13,7 @@ _SQL = statements("queries.answers", "provenance")
 
 def tables(connection: duckdb.DuckDBPyConnection) -> list[Table]:
     """Return the runs that results come from, what they took, and what their names stand for."""
-    return [table(connection) for table in (_runs, _measured, _row_counts, _soils, _failures)]
+    return [table(connection) for table in (_runs, _planned_and_measured, _row_counts, _soils, _failures)]
 
 
 def _runs(connection: duckdb.DuckDBPyConnection) -> Table:
@@ -25,7 +25,7 @@ def _runs(connection: duckdb.DuckDBPyConnection) -> Table:
     return Table("Runs", (*columns, "model", "versions"), tuple(rows), words=10)
 
 
-def _measured(connection: duckdb.DuckDBPyConnection) -> Table:
+def _planned_and_measured(connection: duckdb.DuckDBPyConnection) -> Table:
     return Table(
         "Planned and measured",
         (

@@ -69,7 +69,7 @@ def query(
     kind = parsed[0].type.name
     if kind not in _READING:
         raise ResultsError(f"only statements that read are allowed, such as SELECT; this one is {kind}")
-    refused = sorted(set(_table_functions(connection, statement)) - _allowed(connection))
+    refused = sorted(set(_table_functions(connection, statement)) - _reading_functions(connection))
     if refused:
         raise ResultsError(f"{', '.join(refused)}: functions that do more than give rows are not allowed")
     try:
@@ -104,7 +104,7 @@ def _table_functions(connection: duckdb.DuckDBPyConnection, statement: str) -> I
             nodes += node
 
 
-def _allowed(connection: duckdb.DuckDBPyConnection) -> set[str]:
+def _reading_functions(connection: duckdb.DuckDBPyConnection) -> set[str]:
     """Return the functions for rows that only read: of the database, of their arguments, and macros."""
     rows = connection.execute(_SQL["functions-that-read"]).fetchall()
     return {*_ROW_FUNCTIONS, *(row[0].lower() for row in rows)}
@@ -141,7 +141,7 @@ def answer(
     if form == "parquet" and output is None:
         raise ResultsError("parquet is no text: name a file with --output")
     memory = f"{limits.memory_mb:.0f}MB"
-    with connect(named, memory=memory) as connection, _limited(connection, limits) as expired:
+    with connect(named, memory=memory) as connection, _enforce(connection, limits) as expired:
         result = query(connection, statement, parameters)
         try:
             if form == "parquet" and output is not None:
@@ -158,7 +158,7 @@ def answer(
 
 
 @contextmanager
-def _limited(connection: duckdb.DuckDBPyConnection, limits: Limits) -> Iterator[Event]:
+def _enforce(connection: duckdb.DuckDBPyConnection, limits: Limits) -> Iterator[Event]:
     """Turn a query that takes too long or too much memory into an error of one line.
 
     Yields what is set as soon as time is up.
@@ -173,7 +173,7 @@ def _limited(connection: duckdb.DuckDBPyConnection, limits: Limits) -> Iterator[
     timer.daemon = True
     timer.start()
     try:
-        with _memory_limited(limits.memory_mb):
+        with _limit_memory(limits.memory_mb):
             yield expired
     except duckdb.InterruptException as error:
         if not expired.is_set():
@@ -192,7 +192,7 @@ def _limited(connection: duckdb.DuckDBPyConnection, limits: Limits) -> Iterator[
 
 
 @contextmanager
-def _memory_limited(megabytes: float) -> Iterator[None]:
+def _limit_memory(megabytes: float) -> Iterator[None]:
     """Limit the memory of this process meanwhile: DuckDB does not count that of long texts."""
     before = resource.getrlimit(resource.RLIMIT_DATA)
     taken = getattr(psutil.Process().memory_info(), "data", None)  # on Linux

@@ -79,7 +79,7 @@ def _costs(connection: duckdb.DuckDBPyConnection) -> dict[str, _Cost]:
     return {approach: (cpu, faster, *marginal) for approach, cpu, faster, *marginal in rows}
 
 
-def missing(connection: duckdb.DuckDBPyConnection) -> list[str]:
+def missing_notes(connection: duckdb.DuckDBPyConnection) -> list[str]:
     """Return what was asked for and is not there, in sentences."""
     cases = case_count(connection)
     return [
@@ -88,7 +88,7 @@ def missing(connection: duckdb.DuckDBPyConnection) -> list[str]:
     ]
 
 
-def extrapolated(connection: duckdb.DuckDBPyConnection) -> list[str]:
+def extrapolation_notes(connection: duckdb.DuckDBPyConnection) -> list[str]:
     """Return the bands in which more than half of the unevenness lies outside its range of validity."""
     rows = connection.execute(_SQL["extrapolated"]).fetchall()
     sentences = []
@@ -129,7 +129,7 @@ def verdicts(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic
         cells = []
         for place in _COLUMNS:
             of_place = [row[1:] for row in found if row[0] == place]
-            cells += [_mean(of_place), _trusted(of_place)]
+            cells += [_mean(of_place), _lowest_trusted_band(of_place)]
         cpu, faster, _, marginal_faster = costs.get(str(pair.approach), _UNKNOWN)
         name = label(str(pair.approach))
         rows.append((name, *cells, number(cpu), times(faster), times(marginal_faster)))
@@ -155,7 +155,7 @@ def _mean(rows: Iterable[tuple[float, float, int]]) -> str:
     return f"{sum(total for total, _ in weighted) / count:.1f}" if count else "–"
 
 
-def _trusted(rows: Iterable[tuple[float, float, int]]) -> str:
+def _lowest_trusted_band(rows: Iterable[tuple[float, float, int]]) -> str:
     """Return the lowest band from which upwards the error is small, given from the highest band down."""
     lowest = None
     for band_hz, error, _ in rows:

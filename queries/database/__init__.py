@@ -1,8 +1,8 @@
 """The results in DuckDB: its schema, and how stored records and arrays get into it."""
 
-from queries.database.connection import connect, fetch_columns, filled, snapshot
+from queries.database.connection import connect, fetch_columns, fill_gaps, snapshot
 from queries.database.ingest import Ingest, begin, ingest, is_outdated
-from queries.database.place import DATABASE, Place, ResultsError, duckdb_path, locate, quoted, reason
+from queries.database.place import DATABASE, Place, ResultsError, duckdb_path, locate, quote, reason
 
 __all__ = [
     "DATABASE",
@@ -13,11 +13,11 @@ __all__ = [
     "connect",
     "duckdb_path",
     "fetch_columns",
-    "filled",
+    "fill_gaps",
     "ingest",
     "is_outdated",
     "locate",
-    "quoted",
+    "quote",
     "reason",
     "snapshot",
 ]

@@ -103,7 +103,7 @@ class Reader:
         inside = arrays.get("inside", np.ones(arrays["frequency"].size, bool))
         frequency, first = np.unique(arrays["frequency"][inside], return_index=True)
         receptance = arrays["receptance"][inside, nearest][first]
-        for names in self._contents.named(record["unit_id"], _NAMES):
+        for names in self._contents.label_values(record["unit_id"], _NAMES):
             head = {
                 **dict(zip(_NAMES, names, strict=True)),
                 "speed_kmh": round(float(record["inputs"]["speed"]) * _KMH, 9),

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from queries.database import schema
-from queries.database.place import DATABASE, ResultsError, duckdb_path, locate, quoted, reason
+from queries.database.place import DATABASE, ResultsError, duckdb_path, locate, quote, reason
 
 MEMORY = "128MB"
 """Memory that figures and report take of a database at a time."""
@@ -43,12 +43,11 @@ def connect(
     ResultsError
         If there is no run directory, no database in it, or the file cannot be read by this version.
     """
-    return attach(
-        _published(named), None if other is None else _published(other), bounded=bounded, memory=memory
-    )
+    other_file = None if other is None else _published_file(other)
+    return attach(_published_file(named), other_file, bounded=bounded, memory=memory)
 
 
-def _published(named: Path | str) -> Path:
+def _published_file(named: Path | str) -> Path:
     path = locate(named).path
     if not path.exists():
         raise ResultsError(
@@ -102,7 +101,7 @@ def attach(
     try:
         for file, name in files:
             try:
-                connection.execute(f"ATTACH {quoted(duckdb_path(file))} AS {name} (READ_ONLY)")
+                connection.execute(f"ATTACH {quote(duckdb_path(file))} AS {name} (READ_ONLY)")
                 connection.execute(f"USE {name}")
                 if not any_form:
                     _check_version(connection, file)
@@ -168,10 +167,10 @@ def fetch_columns(
 ) -> dict[str, NDArray[Any]]:
     """Return the columns of a query as arrays; NULL becomes NaN among numbers."""
     columns = connection.execute(query, parameters).fetchnumpy()
-    return {name: filled(column) for name, column in columns.items()}
+    return {name: fill_gaps(column) for name, column in columns.items()}
 
 
-def filled(column: Any) -> NDArray[Any]:
+def fill_gaps(column: Any) -> NDArray[Any]:
     """Return a column as DuckDB gives it, with NaN in place of NULL among floats and 0 among integers."""
     if isinstance(column, np.ma.MaskedArray) and column.dtype.kind in "fiu":
         return np.asarray(column.filled(np.nan if column.dtype.kind == "f" else 0))

@@ -73,15 +73,15 @@ def _add_soil(
     speeds = rayleigh_speeds or [None] * len(layers)  # older manifests hold none
     tables["soil_layers"] += [
         {**layer, "rayleigh_speed_m_s": speed}
-        for layer, speed in zip(_numbered(layers, head, "layer"), speeds, strict=True)
+        for layer, speed in zip(_number_parts(layers, head, "layer"), speeds, strict=True)
     ]
 
 
 def _add_track(tables: Tables, row: Row, head: Row, definition: Mapping[str, Any]) -> None:
     mat = definition.get("mat")
     tables["tracks"].append({**row, "form": definition.get("form", "ballasted")})
-    tables["track_layers"] += _numbered([mat], head, "layer", first=0) if mat else []
-    tables["track_layers"] += _numbered(definition.get("layers", []), head, "layer")
+    tables["track_layers"] += _number_parts([mat], head, "layer", first=0) if mat else []
+    tables["track_layers"] += _number_parts(definition.get("layers", []), head, "layer")
 
 
 def _add_train(
@@ -91,7 +91,7 @@ def _add_train(
     placed = list(_axles_without_places(vehicles) if axles is None else axles)
     length = sum(vehicle["length_m"] for vehicle in vehicles)
     tables["trains"].append({**row, "vehicles": len(vehicles), "axles": len(placed), "length_m": length})
-    tables["vehicles"] += _numbered(vehicles, head, "vehicle")
+    tables["vehicles"] += _number_parts(vehicles, head, "vehicle")
     tables["axles"] += [{**axle, **head} for axle in placed]
 
 
@@ -106,5 +106,5 @@ def _axles_without_places(vehicles: Iterable[Mapping[str, Any]]) -> Iterator[Row
         yield {"receiver": f"axle-{axle}", "vehicle": vehicle_number, "axle_load_n": load}
 
 
-def _numbered(parts: Iterable[Mapping[str, Any]], head: Row, column: str, first: int = 1) -> list[Row]:
+def _number_parts(parts: Iterable[Mapping[str, Any]], head: Row, column: str, first: int = 1) -> list[Row]:
     return [{**part, **head, column: number} for number, part in enumerate(parts, first)]

@@ -83,7 +83,7 @@ def ingest(
         )
     path = Path(file) if file is not None else locate(named[0]).path
     duckdb_path(path)
-    before = _published(path, derivable=file is None)
+    before = _read_published(path, derivable=file is None)
     if rebuild:
         before = None
     sources = [Source.read(directory, path) for directory in dict.fromkeys(named or _sources(path, before))]
@@ -142,11 +142,11 @@ def _replace(path: Path, before: Published | None, sources: Sequence[Source], be
 def is_outdated(directory: Path | str) -> bool:
     """Return whether the database of a run directory lacks something that its records have."""
     path = locate(directory).path
-    before = _published(path, derivable=True)
+    before = _read_published(path, derivable=True)
     return before is None or not before.has(Source.read(Path(directory), path))
 
 
-def _published(path: Path, derivable: bool) -> Published | None:
+def _read_published(path: Path, derivable: bool) -> Published | None:
     """Return what is known of a file; None for none, and for a broken one that can be derived anew."""
     try:
         return Published.read(path)

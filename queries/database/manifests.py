@@ -43,7 +43,7 @@ class Contents:
             labels.setdefault(row["case_id"], []).append(row)
         return labels
 
-    def named(self, unit: str, columns: Sequence[str]) -> list[tuple[Any, ...]]:
+    def label_values(self, unit: str, columns: Sequence[str]) -> list[tuple[Any, ...]]:
         """Return these columns of the labels of all cases that a unit serves, each combination once."""
         cases = {case for case, _ in self.owners[unit]}
         rows = (row for case in cases for row in self._labels[case])
@@ -51,7 +51,7 @@ class Contents:
 
     def key(self, unit: str) -> str:
         """Return a digest of what rows of a unit's arrays depend on besides: a change makes them stale."""
-        named = self.named(unit, ("soil_id", "track_id"))
+        named = self.label_values(unit, ("soil_id", "track_id"))
         text = json.dumps([sorted(self.owners[unit]), named, self.narrow_band], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 

@@ -95,7 +95,7 @@ def duckdb_path(path: Path) -> str:
     return absolute
 
 
-def quoted(path: str) -> str:
+def quote(path: str) -> str:
     """Return a path as a string of SQL."""
     return "'" + path.replace("'", "''") + "'"
 

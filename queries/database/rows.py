@@ -93,7 +93,7 @@ class Writer:
     def _flush(self, table: str) -> None:
         """Insert the stretches of a table, for good: the memory of a transaction grows with its rows."""
         waiting = self._waiting.pop(table)
-        numbers = {name: _joined(parts) for name, parts in waiting.numbers.items()}
+        numbers = {name: _concatenate(parts) for name, parts in waiting.numbers.items()}
         shared = [(name, kind) for name, kind in self._columns[table] if name not in numbers]
         heads = _to_arrays(shared, waiting.heads)
         if any(kind not in _NUMBERS for _, kind in shared):
@@ -118,7 +118,7 @@ class Writer:
         self.connection.unregister("new")
 
 
-def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+def _concatenate(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
     """Return the elements of arrays one after the other; they may be views of fewer elements."""
     joined = np.empty(sum(part.size for part in parts), np.result_type(*parts))
     first = 0

@@ -66,7 +66,7 @@ class _Plan:
                     f"A sample: {len(self._soils)} of {len(soils)} soils and {len(self._combinations)} of "
                     f"{len(combinations)} combinations of track, train, unevenness and speed."
                 )
-        self._approaches = answers.requested(connection)
+        self._approaches = answers.requested_approaches(connection)
         self._reference = answers.reference(connection)
         self._receivers: dict[str, set[tuple[str, float | None]]] = {}
         for case_id, receiver, offset in connection.execute(_SQL["receivers"]).fetchall():

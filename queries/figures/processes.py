@@ -53,7 +53,7 @@ class FigureProcesses:
             context = get_context("forkserver" if forking else "spawn")
             context.set_forkserver_preload([_PLOTS])  # unless the engine has started its server already
             self._pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare)
-            with _interrupts_blocked():  # the server inherits it
+            with _block_interrupts():  # the server inherits it
                 for _ in range(workers):
                     self._pool.submit(_load)
 
@@ -128,7 +128,7 @@ def _faults_in(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _interrupts_blocked() -> Iterator[None]:
+def _block_interrupts() -> Iterator[None]:
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

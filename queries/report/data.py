@@ -23,7 +23,7 @@ Data = dict[str, Any]
 
 def data(connection: duckdb.DuckDBPyConnection) -> Data:
     """Return everything that the page draws, ready for JSON."""
-    approaches = answers.requested(connection)
+    approaches = answers.requested_approaches(connection)
     sizes = _number(connection, approaches)
     axes, cases = _cases(connection)
     rows = connection.execute("SELECT band_hz FROM page_bands ORDER BY number").fetchall()
@@ -38,7 +38,7 @@ def data(connection: duckdb.DuckDBPyConnection) -> Data:
         "bands": bands,
         "band_names": [answers.band(value) for value in bands],
         "levels": _levels(connection, sizes),
-        "extrapolated": _extrapolated(connection, sizes),
+        "extrapolated": _extrapolated_bands(connection, sizes),
         "receptances": _receptances(connection),
         "unevenness": _unevenness(connection),
         "costs": _costs(connection),
@@ -106,7 +106,7 @@ def _levels(connection: duckdb.DuckDBPyConnection, sizes: Sizes) -> str:
     return text(packed)
 
 
-def _extrapolated(connection: duckdb.DuckDBPyConnection, sizes: Sizes) -> list[list[int]]:
+def _extrapolated_bands(connection: duckdb.DuckDBPyConnection, sizes: Sizes) -> list[list[int]]:
     """Return per case the bands that rest mostly on extrapolated unevenness."""
     bands: list[list[int]] = [[] for _ in range(sizes.cases)]
     for case, numbers in connection.execute(_SQL["extrapolated"]).fetchall():
@@ -124,9 +124,9 @@ def _receptances(connection: duckdb.DuckDBPyConnection) -> list[Data]:
                 "soil": soil,
                 "track": track,
                 "speed_kmh": speed,
-                "frequency": _rounded(np.array(frequency)),
-                "magnitude": _rounded(1e9 * np.abs(value)),
-                "phase": _rounded(np.unwrap(np.angle(value))),
+                "frequency": _round(np.array(frequency)),
+                "magnitude": _round(1e9 * np.abs(value)),
+                "phase": _round(np.unwrap(np.angle(value))),
             }
         )
     return curves
@@ -136,7 +136,7 @@ def _unevenness(connection: duckdb.DuckDBPyConnection) -> list[Data]:
     return [
         {
             "name": name,
-            "wavelength": _rounded(np.array(wavelength)),
+            "wavelength": _round(np.array(wavelength)),
             "level": [None if value is None else round(value, 2) for value in level],
             "extrapolated": [round(value, 3) for value in share],
         }
@@ -160,5 +160,5 @@ def _trains(connection: duckdb.DuckDBPyConnection) -> dict[str, list[Data]]:
     return trains
 
 
-def _rounded(values: NDArray[Any]) -> list[float]:
+def _round(values: NDArray[Any]) -> list[float]:
     return [float(f"{value:.5g}") for value in values]

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from queries.database import filled
+from queries.database import fill_gaps
 
 NONE = -32768
 """Stands for a level that is not there."""
@@ -14,7 +14,7 @@ NONE = -32768
 
 def hundredths(level: Any) -> NDArray[np.int16]:
     """Return levels in dB as whole hundredths."""
-    value = np.round(100.0 * np.asarray(filled(level), dtype=float))
+    value = np.round(100.0 * np.asarray(fill_gaps(level), dtype=float))
     return np.where(np.isfinite(value), np.clip(value, NONE + 1, -NONE - 1), NONE).astype("<i2")
 
 

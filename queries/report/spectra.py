@@ -54,7 +54,7 @@ def spectra(connection: duckdb.DuckDBPyConnection, sizes: Sizes) -> Data:
     row = connection.execute(_SQL["counts"]).fetchone()
     every, dynamic, most_lines, cases = map(int, row or (0, 0, 0, 0))
     thinning = _Thinning.of(every, dynamic, most_lines, cases)
-    return asdict(thinning) | {"spectra": _packed(connection, thinning, sizes)}
+    return asdict(thinning) | {"spectra": _pack(connection, thinning, sizes)}
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class _Thinning:
         return _Thinning(LEAST_BINS, True, shown, cases, lines)
 
 
-def _packed(connection: duckdb.DuckDBPyConnection, thinning: _Thinning, sizes: Sizes) -> list[Data]:
+def _pack(connection: duckdb.DuckDBPyConnection, thinning: _Thinning, sizes: Sizes) -> list[Data]:
     """Return the spectra of each shown case: frequencies, and levels of all lines or extremes of bins."""
     columns = fetch_columns(connection, _SQL["series"], [thinning.dynamic_only])
     number, spectrum, series, first, last = columns.values()

@@ -70,8 +70,8 @@ def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
         "snapshot": " ".join(snapshot(connection)),
         "verdicts": answers.verdicts(connection),
         "sentences": answers.summary(connection),
-        "missing": answers.missing(connection),
-        "extrapolated": answers.extrapolated(connection),
+        "missing": answers.missing_notes(connection),
+        "extrapolated": answers.extrapolation_notes(connection),
         "tables": [
             *(
                 answers.error_table(connection, pair, by)
@@ -90,7 +90,7 @@ def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
         .generate(
             content,
             data=figures,
-            thinned=_thinned(figures["lines"]),
+            thinned=_thinning_note(figures["lines"]),
             style=Markup(_text("report.css")),
             scripts=[Markup(_text(name)) for name in _SCRIPTS],
             plotly=Markup(_plotly()),
@@ -106,7 +106,7 @@ def _groupings(connection: duckdb.DuckDBPyConnection, pair: Pair) -> list[tuple[
     return [None] if few else [(*answers.varying(connection),), ("receiver",)]
 
 
-def _thinned(lines: dict[str, Any]) -> str:
+def _thinning_note(lines: dict[str, Any]) -> str:
     """Say which narrow-band lines the page has."""
     if not lines["lines"]:
         return "The database holds no narrow-band lines: the study leaves them to the store."

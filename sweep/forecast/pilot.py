@@ -74,14 +74,14 @@ class Rates:
 @cache
 def rates(finite_elements: bool = False) -> Rates:
     """Return this machine's rates, measured now if they have not been; on demand with the FE/BE model's."""
-    found = _kept("pilot")
+    found = _load_or_measure("pilot")
     if not finite_elements:
         return found
-    more = _kept("pilot-fe-be")
+    more = _load_or_measure("pilot-fe-be")
     return Rates({**found.cpu_s, **more.cpu_s}, found.idle_bytes, found.pilot_s + more.pilot_s)
 
 
-def _kept(name: str) -> Rates:
+def _load_or_measure(name: str) -> Rates:
     """Return the rates of one of the pilots that are kept, or measure and keep them."""
     key = f"{name}-{_key()}.json"
     with suppress(OSError, RuntimeError, ValueError, TypeError):
@@ -127,7 +127,7 @@ def _measure_apart(name: str) -> Rates:
 
     variables = {**ENVIRONMENT, forks.STAGES_MODULE: STAGES, forks.DRIVER: str(os.getpid())}
     command = [sys.executable, "-m", "sweep.forecast.pilot", name]
-    with forks.signals_blocked():
+    with forks.block_signals():
         process = subprocess.Popen(command, env={**os.environ, **variables}, stdout=subprocess.PIPE)
     try:
         output, _ = process.communicate()
@@ -151,7 +151,7 @@ def measure() -> Rates:
     with tempfile.TemporaryDirectory(prefix="railvib-pilot-") as folder:
         place = Place(folder, "pilot", STAGES)
         for task in _tasks():
-            sample = _timed(task, place)
+            sample = _time_task(task, place)
             samples.setdefault(sample.work.sort, []).append(sample)
     return Rates({sort: _rates(each) for sort, each in samples.items()}, idle, time.process_time() - began)
 
@@ -193,7 +193,7 @@ class _Sample(NamedTuple):
     stages: Mapping[str, float]
 
 
-def _timed(task: Sequence[Unit], place: Place) -> _Sample:
+def _time_task(task: Sequence[Unit], place: Place) -> _Sample:
     """Run a task as a worker does, with all that goes into storing it."""
     outcome = execute("pilot", task, place)
     if outcome.status != "done":
@@ -274,12 +274,12 @@ def _rates(samples: Sequence[_Sample]) -> dict[str, float]:
     rest = [name for name in samples[0].work.amounts if name not in taken]
     found: dict[str, float] = {}
     for stage, names in stages.items():
-        found |= _fitted(names, samples, [sample.stages.get(stage, 0.0) for sample in samples])
+        found |= _fit_rates(names, samples, [sample.stages.get(stage, 0.0) for sample in samples])
     others = [sample.total - sum(sample.stages.get(stage, 0.0) for stage in stages) for sample in samples]
-    return found | _fitted(rest, samples, others)
+    return found | _fit_rates(rest, samples, others)
 
 
-def _fitted(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[float]) -> dict[str, float]:
+def _fit_rates(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[float]) -> dict[str, float]:
     """Return rates, none negative, that come nearest to what tasks took; short ones count as much as long."""
     from scipy.optimize import nnls  # slow to import, and a pilot is rare
 

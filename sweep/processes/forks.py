@@ -42,16 +42,16 @@ def start(stages: str) -> None:
     global _started
     if not POSSIBLE:
         return
-    with _hang_up_ignored():
+    with _ignore_hang_up():
         resource_tracker.ensure_running()  # which would unblock the signals when it is started below
-    with _environment({**THREADS, STAGES_MODULE: stages, DRIVER: str(os.getpid())}), signals_blocked():
+    with _environment({**THREADS, STAGES_MODULE: stages, DRIVER: str(os.getpid())}), block_signals():
         forkserver.set_forkserver_preload(["sweep.processes.server"])
         forkserver.ensure_running()
         _started = True
 
 
 @contextmanager
-def _hang_up_ignored() -> Iterator[None]:
+def _ignore_hang_up() -> Iterator[None]:
     """Let processes started inside the block ignore hang-ups for good, as they do Ctrl-C.
 
     A resource tracker that a hang-up ends is started anew, knows nothing of what it should release, and
@@ -126,7 +126,7 @@ def _environment(variables: Mapping[str, str]) -> Iterator[None]:
 
 
 @contextmanager
-def signals_blocked() -> Iterator[None]:
+def block_signals() -> Iterator[None]:
     """Let processes started meanwhile take neither Ctrl-C nor a hang-up; what arrives here is kept."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
     try:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from sweep.plan import Plan, Task
-from sweep.running.task import Outcome, Place, execute, lost
+from sweep.running.task import Outcome, Place, crash_record, execute
 from sweep.storage import records
 from sweep.storage.location import NoSpaceError
 
@@ -35,7 +35,7 @@ class Crew(Protocol):
     def submit(self, tasks: Sequence[Task], place: Place) -> None:
         """Hand tasks out."""
 
-    def finished(self) -> Iterator[tuple[str, Outcome | None]]:
+    def outcomes(self) -> Iterator[tuple[str, Outcome | None]]:
         """Wait until tasks have finished; yield keys and outcomes, None where workers died with the task."""
 
 
@@ -51,7 +51,7 @@ class ThisProcess:
         """Hand tasks out."""
         self._waiting.extend((task, place) for task in tasks)
 
-    def finished(self) -> Iterator[tuple[str, Outcome | None]]:
+    def outcomes(self) -> Iterator[tuple[str, Outcome | None]]:
         """Run the next task, with linear algebra on one thread as in a worker."""
         from railvib.numerics import threads
 
@@ -135,7 +135,7 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
             alone = False
         if not running:
             return tally
-        for key, outcome in crew.finished():
+        for key, outcome in crew.outcomes():
             running.discard(key)
             if outcome is None and not alone:
                 suspects.append(key)
@@ -146,7 +146,7 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
                 continue
             if outcome is None:
                 for unit in task.units:
-                    records.fail(place.directory, lost(unit, place, LOST))
+                    records.fail(place.directory, crash_record(unit, place, LOST))
                 outcome = Outcome(key, "failed", error=LOST)
             _settle(board, tally, task, outcome)
             report(task, outcome, tally)

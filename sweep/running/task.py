@@ -234,9 +234,9 @@ class Reader:
             return held
         with cost.stage("load"):
             try:
-                result = self._remembered(unit)
+                result = self._reread(unit)
                 if result is None:
-                    result = self._found(unit)
+                    result = self._read_by_record(unit)
             except store.DamagedError as error:
                 for home in self._place.homes:
                     records.withdraw(home, unit.stage_name, unit.id)
@@ -244,7 +244,7 @@ class Reader:
         _hold(unit, self._place, result)
         return result
 
-    def _remembered(self, unit: Unit) -> Any:
+    def _reread(self, unit: Unit) -> Any:
         """Return a result by what is remembered of its record; None if nothing is, or that stands no more."""
         remembered = _recorded.pop((self._place.directory, unit.id), None)
         if remembered is None:
@@ -252,7 +252,7 @@ class Reader:
         with contextlib.suppress(store.DamagedError):
             return self._read(unit, *remembered)
 
-    def _found(self, unit: Unit) -> Any:
+    def _read_by_record(self, unit: Unit) -> Any:
         """Return a result by its record."""
         found = self._place.find(unit)
         if found is None:
@@ -317,16 +317,16 @@ def _record_failure(missing: Iterable[Unit], place: Place, started: str, text: s
     """Record the failure of the units that have not been stored."""
     for unit in missing:
         if place.find(unit) is None:
-            records.fail(place.directory, _failure(unit, place, started, text))
+            records.fail(place.directory, _failure_record(unit, place, started, text))
 
 
-def _failure(unit: Unit, place: Place, started: str, text: str) -> dict[str, Any]:
+def _failure_record(unit: Unit, place: Place, started: str, text: str) -> dict[str, Any]:
     return {**_head(unit, place, started), "status": "failed", "traceback": text}
 
 
-def lost(unit: Unit, place: Place, message: str) -> dict[str, Any]:
+def crash_record(unit: Unit, place: Place, message: str) -> dict[str, Any]:
     """Return the failure record of a unit whose worker died with it, as the driver writes it."""
-    return _failure(unit, place, _now(), message)
+    return _failure_record(unit, place, _now(), message)
 
 
 def _head(unit: Unit, place: Place, started: str) -> dict[str, Any]:

@@ -36,7 +36,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if len(content) > LARGEST_FILE:
         raise InputError(f"{path}: has more than {LARGEST_FILE} bytes; must have at most so many")
-    text = _decoded(content, path)
+    text = _decode(content, path)
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -47,7 +47,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: is not valid TOML: {error}") from None
 
 
-def _decoded(content: bytes, path: Path) -> str:
+def _decode(content: bytes, path: Path) -> str:
     """Return the text of a file."""
     remedy = "save the file as UTF-8"
     for mark, encoding in ENCODINGS.items():

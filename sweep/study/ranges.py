@@ -39,17 +39,17 @@ def axis(value: Any) -> Any:
             raise InputError(f".step = {step:g}: must be above 0")
         _check_length("step", step, (stop - start) / step + 1.0)
         intervals = math.floor((stop - start) / step * (1.0 + 1e-12))
-        return _rounded(start + step * index for index in range(intervals + 1))
+        return _round(start + step * index for index in range(intervals + 1))
     number = numbers["number"]
     if number < 2 or number != int(number):
         raise InputError(f".number = {number:g}: must be an integer of 2 or more")
     _check_length("number", number, number)
     fractions = [index / (number - 1) for index in range(int(number))]
     if scale == "linear":
-        return _rounded(start + (stop - start) * fraction for fraction in fractions)
+        return _round(start + (stop - start) * fraction for fraction in fractions)
     if start <= 0.0:
         raise InputError(f".start = {start:g}: must be above 0 for a logarithmic scale")
-    return _rounded(start * (stop / start) ** fraction for fraction in fractions)
+    return _round(start * (stop / start) ** fraction for fraction in fractions)
 
 
 def _number(key: str, value: Any) -> float:
@@ -63,6 +63,6 @@ def _check_length(key: str, value: float, length: float) -> None:
         raise InputError(f".{key} = {value:g}: makes {length:.6g} values; must be at most {LARGEST_AXIS}")
 
 
-def _rounded(values: Iterable[float]) -> list[float]:
+def _round(values: Iterable[float]) -> list[float]:
     """Return values without their rounding errors: each shall have the id of the value typed in."""
     return [float(f"{value:.12g}") for value in values]

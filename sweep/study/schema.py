@@ -119,7 +119,7 @@ class Approaches(Section):
     averaging: Annotated[tuple[Averaging, ...], Field(min_length=1)] = ("line",)
 
     @model_validator(mode="after")
-    def _reference_is_computed(self) -> Self:
+    def _check_reference(self) -> Self:
         if self.reference not in self.compare:
             raise InputError(
                 f".reference = {self.reference!r}: must be one of compare = {list(self.compare)}"

@@ -75,7 +75,7 @@ class Workers:
         arguments = (list(keys.values()), units, [place] * len(tasks))
         self._completed.update(self._client.map(execute, *arguments, key=list(keys), pure=False))
 
-    def finished(self) -> Iterator[tuple[str, Outcome | None]]:
+    def outcomes(self) -> Iterator[tuple[str, Outcome | None]]:
         """Wait for at least one task; release its future at once."""
         for future, result in self._completed.next_batch(block=True):
             key = self._futures.pop(future.key)

@@ -76,7 +76,7 @@ class Launch:
         return (os.cpu_count() or 1) if self.workers is None else self.workers
 
     @property
-    def here(self) -> int | None:
+    def local_processes(self) -> int | None:
         """How many processes compute on this machine; None where others do."""
         return None if self.scheduler is not None or self.cluster is not None else max(self.processes, 1)
 
@@ -101,13 +101,13 @@ class Launch:
         return certificates.security()
 
     @property
-    def _starts_here(self) -> bool:
+    def _starts_processes(self) -> bool:
         """Whether processes are started on this machine."""
         return self.scheduler is None and self.file is None and self.processes > 0
 
     def get_ready(self, stages: str) -> None:
         """Begin with what workers started here need, while there is something else to do; does not wait."""
-        if self._starts_here:
+        if self._starts_processes:
             forks.start(stages)
 
     def beside(self, function: Callable[[Argument], Result], argument: Argument) -> Callable[[], Result]:
@@ -116,7 +116,7 @@ class Launch:
         So the driver need not load them, and does not compile them while another process does. What is
         returned waits for the result.
         """
-        if self._starts_here and forks.POSSIBLE:
+        if self._starts_processes and forks.POSSIBLE:
             waiting = forks.submit(function, argument)
             importlib.import_module(
                 "sweep.workers.dask_cluster"

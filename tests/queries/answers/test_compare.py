@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from queries import cli
 from queries.answers.comparison import Pair
 from queries.answers.errors import error_table, errors
-from queries.answers.summary import extrapolated, missing, summary, verdicts
+from queries.answers.summary import extrapolation_notes, missing_notes, summary, verdicts
 from queries.answers.table import band, decibels, number
 from queries.database import DATABASE, ResultsError, connect, ingest
 from tests.queries.run_directory import BANDS, RECEIVERS, Study
@@ -166,7 +166,7 @@ def test_what_is_missing_is_said(study):
     directory = study.write(lost=("moving-roughness",))
     ingest(directory)
     with connect(directory) as connection:
-        assert missing(connection) == [
+        assert missing_notes(connection) == [
             "Missing: moving-roughness lacks results in 2 of 2 cases (ArithmeticError: no <b>solution</b>)."
         ]
         assert (
@@ -301,11 +301,11 @@ def test_bands_that_do_not_follow_one_another_are_named_apart(run):
         "UPDATE bands SET extrapolated_share = CASE WHEN band_hz < 1.5 OR band_hz > 99 THEN 1 ELSE 0.5 END",
     )
     with connect(run) as connection:
-        (sentence,) = extrapolated(connection)
+        (sentence,) = extrapolation_notes(connection)
     assert "in 3 of 21 bands (1 to 1.25, 100 Hz)" in sentence
 
 
 def test_unevenness_within_its_range_is_not_mentioned(run):
     change(run, "UPDATE bands SET extrapolated_share = NULL")
     with connect(run) as connection:
-        assert extrapolated(connection) == []
+        assert extrapolation_notes(connection) == []
