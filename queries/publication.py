@@ -92,7 +92,7 @@ def show(
         pairs = answers.pairs(connection)
     if by is None and approach is None and answers.case_count(connection) > answers.MANY_CASES:
         by = ("receiver",)
-    tables = [answers.error_table(connection, each, by, contribution, receivers) for each in pairs]
+    tables = [answers.error_table(connection, pair, by, contribution, receivers) for pair in pairs]
     for table in (*tables, answers.cost_table(connection)):
         console.print()
         table.show(console)
@@ -149,9 +149,9 @@ def show_runs(
             raise ResultsError(
                 f"{first.title} and {second.title} share no case and approach of the same names"
             )
-        for each in (table, answers.cost_table_of_runs(connection, first, second)):
+        for comparison in (table, answers.cost_table_of_runs(connection, first, second)):
             console.print()
-            each.show(console)
+            comparison.show(console)
 
 
 def _check_run(connection: duckdb.DuckDBPyConnection, run_id: str, named: Path) -> None:

@@ -54,8 +54,8 @@ def plan(resolved: Resolved, directory: Path, store: str | None, launch: Launch)
         return Prepared(request, directory, estimate.Estimate())
     launch.get_ready(STAGES)
     cautions.check_plausibility(resolved)
-    found = launch.beside(cautions.cautions, resolved)
-    return Prepared(request, directory, forecast(request), found)
+    pending_cautions = launch.beside(cautions.cautions, resolved)
+    return Prepared(request, directory, forecast(request), pending_cautions)
 
 
 def forecast(request: Request) -> estimate.Estimate:

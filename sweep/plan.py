@@ -43,12 +43,12 @@ class Plan:
             if not identities.isdisjoint(closure)
             for other in closure
         }
-        kept: set[str] = set()
+        keys: set[str] = set()
         for key in reversed(list(self.tasks)):  # with what a task needs, for whichever of its units
             task = self.tasks[key]
-            if key in kept or any(unit.id in wanted for unit in task.units):
-                kept |= {key, *task.after}
-        tasks = {key: task for key, task in self.tasks.items() if key in kept}
+            if key in keys or any(unit.id in wanted for unit in task.units):
+                keys |= {key, *task.after}
+        tasks = {key: task for key, task in self.tasks.items() if key in keys}
         return replace(
             self, tasks=tasks, missing=frozenset(unit.id for task in tasks.values() for unit in task.units)
         )
@@ -95,16 +95,16 @@ def make(wanted: Iterable[Unit], present: Set[str], complete: bool = False) -> P
 
 def _closure(identity: str, needs: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     """Return the ids of all that a unit rests on, each after those that it needs."""
-    found: dict[str, None] = {}
+    closure: dict[str, None] = {}
 
     def visit(one: str) -> None:
-        if one not in found:
+        if one not in closure:
             for other in needs[one]:
                 visit(other)
-            found[one] = None
+            closure[one] = None
 
     visit(identity)
-    return tuple(found)
+    return tuple(closure)
 
 
 def _tasks(

@@ -107,9 +107,9 @@ class Display:
             self._bar.update(self._line, completed=tally.settled, facts=facts)
         elif time.monotonic() - self._shown > PLAIN_INTERVAL_S or tally.settled == self._total:
             self._shown = time.monotonic()
-            left = elapsed / tally.settled * (self._total - tally.settled)
+            remaining_s = elapsed / tally.settled * (self._total - tally.settled)
             print(
-                f"{tally.settled}/{self._total} tasks, {facts}, {left:.0f} s left",
+                f"{tally.settled}/{self._total} tasks, {facts}, {remaining_s:.0f} s left",
                 file=sys.stderr,
                 flush=True,
             )

@@ -71,8 +71,8 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None, compl
         for case in cases
         for approach in resolved.study.approaches.compare
     }
-    made = plan.make(wanted.values(), present, complete)
-    return Request(resolved, cases, wanted, made, store)
+    missing = plan.make(wanted.values(), present, complete)
+    return Request(resolved, cases, wanted, missing, store)
 
 
 def check_number(resolved: Resolved) -> None:

@@ -22,7 +22,7 @@ def describe(directory: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
         for case in manifest["cases"]
     }
     needed = set().union(*units.values())
-    complete = sum(each <= present for each in units.values())
+    complete = sum(ids <= present for ids in units.values())
     yield f"study     {manifest['study_name']}, run {manifest['run_id']} on {manifest['host']}"
     yield f"state     {_state(directory, manifest)}"
     yield f"started   {manifest['started']}, {manifest['finished'] or 'not finished'}"
@@ -61,10 +61,10 @@ def _pace(directory: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
     moment = datetime.now(UTC) if alive(directory) else datetime.fromisoformat(line["time"])
     elapsed = (moment - datetime.fromisoformat(manifest["started"])).total_seconds()
     rate = line["settled"] / max(elapsed, 1e-3)
-    left = (
+    remaining = (
         f", {(line['tasks'] - line['settled']) / rate:.0f} s left" if rate > 0.0 and alive(directory) else ""
     )
-    yield f"tasks     {line['settled']} of {line['tasks']} settled, {rate:.1f}/s{left}"
+    yield f"tasks     {line['settled']} of {line['tasks']} settled, {rate:.1f}/s{remaining}"
 
 
 def _last(path: Path, run_id: str) -> dict[str, Any] | None:

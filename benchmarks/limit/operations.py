@@ -30,9 +30,11 @@ def count_operations(
         Other values for constants of the kernel's module, such as the length that it pads to.
     """
     count = Count()
-    given = [argument if i in plain else to_counting(argument, count) for i, argument in enumerate(arguments)]
+    counted = [
+        argument if i in plain else to_counting(argument, count) for i, argument in enumerate(arguments)
+    ]
     with np.errstate(all="ignore"):
-        result = _interpret(kernel, {}, constants)(*given)
+        result = _interpret(kernel, {}, constants)(*counted)
     return to_plain(result), count
 
 

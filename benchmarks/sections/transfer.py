@@ -139,7 +139,7 @@ def _quadrature(tables: _Tables, case: str, size: Size, cpu: float) -> Iterator[
 
     name = "error against quadrature"
     yield Figure(SECTION, "strip compliances", case, name, "1", (error(1e-7),), at_most=TABLE_ERROR)
-    loosest = next((each for each in (1.0, 0.1, 1e-2, 1e-3) if error(each) <= ERROR), 1e-4)
+    loosest = next((tolerance for tolerance in (1.0, 0.1, 1e-2, 1e-3) if error(tolerance) <= ERROR), 1e-4)
     timing = time_call(lambda: quadrature(loosest), min(size.samples, 3))
     yield from timing.figures(SECTION, "adaptive quadrature", case)
     yield Figure(SECTION, "adaptive quadrature", case, "railvib is faster by", "1", (timing.cpu / cpu,))
@@ -166,7 +166,7 @@ def _textbook(tables: _Tables, case: str, size: Size) -> Generator[Figure, None,
         yield Figure(SECTION, name, case, "error", "1", (error,), at_most=ERROR)
         under = np.ascontiguousarray(values[:, 0])
         track = time_call(partial(track_response, tables.track, rows, tables.omega, under), 1).cpu
-        whole = tuple(each + track * grid.rows / rows.size for each in times)
+        whole = tuple(time_s + track * grid.rows / rows.size for time_s in times)
         yield Figure(SECTION, name, case, "rows measured", "1", (float(min(rows.size, grid.rows)),))
         yield Figure(SECTION, name, case, "cpu, all rows", "s", whole)
         seconds[name] = float(np.median(whole))

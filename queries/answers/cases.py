@@ -60,4 +60,7 @@ def positions(connection: duckdb.DuckDBPyConnection) -> Mapping[str, Mapping[Any
     columns = list(zip(*rows, strict=True)) or [()] * len(AXES)
     values = {axis: list(dict.fromkeys(column)) for axis, column in zip(AXES, columns, strict=True)}
     values["speed"].sort()
-    return {axis: {value: place for place, value in enumerate(each)} for axis, each in values.items()}
+    return {
+        axis: {value: place for place, value in enumerate(axis_values)}
+        for axis, axis_values in values.items()
+    }

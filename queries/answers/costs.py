@@ -89,9 +89,17 @@ def cost_table_of_runs(connection: duckdb.DuckDBPyConnection, first: Levels, sec
         title=f"Cost per case, {first.title} and {second.title}",
         columns=("approach", "cases", "evaluations", "then", "CPU [s]", "then", "faster"),
         rows=tuple(
-            (name, str(cases), number(own, 0), number(then, 0), number(cpu), number(cpu_then), times(ratio))
+            (
+                name,
+                str(cases),
+                number(evaluations, 0),
+                number(evaluations_then, 0),
+                number(cpu),
+                number(cpu_then),
+                times(ratio),
+            )
             for name in in_order(by_approach)
-            for cases, own, then, cpu, cpu_then, ratio in (by_approach[name],)
+            for cases, evaluations, evaluations_then, cpu, cpu_then, ratio in (by_approach[name],)
         ),
         words=1,
         note=f"Then: {second.title}. Faster: CPU time of {second.title} over that of {first.title}, only "

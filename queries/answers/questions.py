@@ -45,7 +45,7 @@ class Question:
     parameters: Mapping[str, Parameter]
     sql: str
 
-    def values(self, given: Mapping[str, str]) -> dict[str, Any]:
+    def values(self, texts: Mapping[str, str]) -> dict[str, Any]:
         """Return the value of each parameter.
 
         Raises
@@ -54,17 +54,17 @@ class Question:
             If a parameter is given that the question does not have, or a value that is no number where one is
             expected.
         """
-        for name in given:
+        for name in texts:
             if name not in self.parameters:
                 known = ", ".join(self.parameters) or "none"
                 raise ResultsError(f"{name}: {self.name} has no such parameter; it has: {known}")
         values: dict[str, Any] = {}
         for name, parameter in self.parameters.items():
             try:
-                values[name] = parameter.value(given[name]) if name in given else parameter.default
+                values[name] = parameter.value(texts[name]) if name in texts else parameter.default
             except ValueError:
                 raise ResultsError(
-                    f"{name} = {given[name]}: must be a number ({parameter.meaning})"
+                    f"{name} = {texts[name]}: must be a number ({parameter.meaning})"
                 ) from None
         return values
 

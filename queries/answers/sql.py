@@ -195,9 +195,9 @@ def _enforce(connection: duckdb.DuckDBPyConnection, limits: Limits) -> Iterator[
 def _limit_memory(megabytes: float) -> Iterator[None]:
     """Limit the memory of this process meanwhile: DuckDB does not count that of long texts."""
     before = resource.getrlimit(resource.RLIMIT_DATA)
-    taken = getattr(psutil.Process().memory_info(), "data", None)  # on Linux
-    if taken is not None:
-        most = int(taken + megabytes * 1e6 + _OVERHEAD_BYTES)
+    used = getattr(psutil.Process().memory_info(), "data", None)  # on Linux
+    if used is not None:
+        most = int(used + megabytes * 1e6 + _OVERHEAD_BYTES)
         soft = most if before[0] == resource.RLIM_INFINITY else min(most, before[0])
         resource.setrlimit(resource.RLIMIT_DATA, (soft, before[1]))
     try:
@@ -264,5 +264,5 @@ def _write_parquet(result: duckdb.DuckDBPyConnection, output: Path) -> None:
 def _line(error: duckdb.Error) -> str:
     """Return the error in one line, with what DuckDB proposes instead."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    kept = [line for line in lines if not line.startswith(("LINE ", "^"))]
-    return " ".join(kept[:3]) if kept else "the statement is refused"
+    text_lines = [line for line in lines if not line.startswith(("LINE ", "^"))]
+    return " ".join(text_lines[:3]) if text_lines else "the statement is refused"

@@ -125,10 +125,12 @@ def verdicts(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic
     rows = []
     for pair in pairs(connection):
         query = _SQL["by-place-and-band"].format(rows=pair.rows)
-        found = connection.execute(query, {**pair.parameters, "contribution": contribution}).fetchall()
+        errors_by_band = connection.execute(
+            query, {**pair.parameters, "contribution": contribution}
+        ).fetchall()
         cells = []
         for place in _COLUMNS:
-            of_place = [row[1:] for row in found if row[0] == place]
+            of_place = [row[1:] for row in errors_by_band if row[0] == place]
             cells += [_mean(of_place), _lowest_trusted_band(of_place)]
         cpu, faster, _, marginal_faster = costs.get(str(pair.approach), _UNKNOWN)
         name = label(str(pair.approach))

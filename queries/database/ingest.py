@@ -76,7 +76,10 @@ def ingest(
         If a directory does not hold a run, the file is of a newer version or no database of results, or it
         cannot be written.
     """
-    named = [Path(each) for each in ([directories] if isinstance(directories, Path | str) else directories)]
+    named = [
+        Path(directory)
+        for directory in ([directories] if isinstance(directories, Path | str) else directories)
+    ]
     if file is None and len(named) != 1:
         raise ResultsError(
             "the results of several run directories go to a file of their own: --database FILE"

@@ -64,7 +64,7 @@ class Source:
         # Records are immutable and named by their content, so that their names suffice.
         text = json.dumps([sorted(present), manifests, failures], sort_keys=True)
         fingerprint = hashlib.sha256(text.encode()).hexdigest()
-        absolute, folder = (Path(os.path.realpath(each)) for each in (directory, path.parent))
+        absolute, folder = (Path(os.path.realpath(path_name)) for path_name in (directory, path.parent))
         name = absolute.relative_to(folder) if absolute.is_relative_to(folder) else absolute
         return Source(directory, str(name), manifests, failures, present, fingerprint)
 

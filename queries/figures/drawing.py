@@ -64,9 +64,9 @@ def sample(items: Sequence[Item], most: int) -> list[Item]:
     return [items[round(place)] for place in np.linspace(0, len(items) - 1, most)]
 
 
-def shown_of(shown: Sequence[Any], every: Sequence[Any], what: str) -> str:
+def shown_of(shown: Sequence[Any], every: Sequence[Any], things: str) -> str:
     """Return how many of some things are shown, or nothing if all are."""
-    return f"{len(shown)} of {len(every)} {what} are shown." if len(shown) < len(every) else ""
+    return f"{len(shown)} of {len(every)} {things} are shown." if len(shown) < len(every) else ""
 
 
 class FileNames:

@@ -38,7 +38,7 @@ def error_map(
             sizes[values.index(value), bands.index(band_hz)] = size
         picture = axis.pcolormesh(sizes, cmap="YlOrRd", vmin=0.0, vmax=largest)
         axis.grid(False)
-        axis.set_xticks(np.arange(0, len(bands), 3) + 0.5, [band(each) for each in bands[::3]])
+        axis.set_xticks(np.arange(0, len(bands), 3) + 0.5, [band(band_hz) for band_hz in bands[::3]])
         axis.set_yticks(np.arange(len(values)) + 0.5, [f"{value:g}" for value in values])
         name_panel(axis, number, f"{soil}: {label_of(approach)} against {label_of(against)}")
         label(

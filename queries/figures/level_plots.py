@@ -113,8 +113,8 @@ def distance(
                 if offsets.size:
                     legend.curve(axis, offsets, levels, approach_line(approach))
             level_axis(axis)
-            what = "all bands" if band_hz is None else f"{band(band_hz)} Hz"
-            name_panel(axis, row * len(cases) + column, f"{what}, {soil}")
+            title = "all bands" if band_hz is None else f"{band(band_hz)} Hz"
+            name_panel(axis, row * len(cases) + column, f"{title}, {soil}")
             last = row == len(shown) - 1
             label(
                 axis,

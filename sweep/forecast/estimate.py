@@ -64,11 +64,11 @@ def estimate(request: Request, rates: Rates) -> Estimate:
     stored = sum(_sizes(request).values())
     memory = max(_memory(task.units) for task in plan.tasks.values())
     needed = sum(unit.stage.nbytes() for unit in plan.units.values())
-    held = CACHE_SHARE * min(CACHE_BYTES, needed)
+    cached = CACHE_SHARE * min(CACHE_BYTES, needed)
     return Estimate(
         tasks=len(plan.tasks),
         bytes=stored,
-        peak_memory_bytes=int(rates.idle_bytes + FIRST_BYTES + MARGIN * (held + memory)),
+        peak_memory_bytes=int(rates.idle_bytes + FIRST_BYTES + MARGIN * (cached + memory)),
         cpu_s=sum(_cpu(request, rates).values()),
         pilot_s=rates.pilot_s,
     )

@@ -74,11 +74,11 @@ class Rates:
 @cache
 def rates(finite_elements: bool = False) -> Rates:
     """Return this machine's rates, measured now if they have not been; on demand with the FE/BE model's."""
-    found = _load_or_measure("pilot")
+    basic = _load_or_measure("pilot")
     if not finite_elements:
-        return found
-    more = _load_or_measure("pilot-fe-be")
-    return Rates({**found.cpu_s, **more.cpu_s}, found.idle_bytes, found.pilot_s + more.pilot_s)
+        return basic
+    fe_be = _load_or_measure("pilot-fe-be")
+    return Rates({**basic.cpu_s, **fe_be.cpu_s}, basic.idle_bytes, basic.pilot_s + fe_be.pilot_s)
 
 
 def _load_or_measure(name: str) -> Rates:
@@ -153,16 +153,19 @@ def measure() -> Rates:
         for task in _tasks():
             sample = _time_task(task, place)
             samples.setdefault(sample.work.sort, []).append(sample)
-    return Rates({sort: _rates(each) for sort, each in samples.items()}, idle, time.process_time() - began)
+    return Rates(
+        {sort: _rates(of_sort) for sort, of_sort in samples.items()}, idle, time.process_time() - began
+    )
 
 
 def _resident() -> int:
     """Return the resident memory of this process, with what it shares and has not touched yet if forked."""
     import psutil
 
-    process = psutil.Process()
-    forked_from = process.parent() if multiprocessing.parent_process() else None
-    return max(int(each.memory_info().rss) for each in (process, forked_from) if each is not None)
+    this = psutil.Process()
+    forked_from = this.parent() if multiprocessing.parent_process() else None
+    processes = [this] if forked_from is None else [this, forked_from]
+    return max(int(process.memory_info().rss) for process in processes)
 
 
 def measure_fe_be() -> Rates:
@@ -208,7 +211,7 @@ def _time_task(task: Sequence[Unit], place: Place) -> _Sample:
 
 def _tasks() -> list[tuple[Unit, ...]]:
     """Return tasks of small studies: two grounds, trains of 4 and 16 axles, near and far receivers."""
-    made: dict[str, tuple[Unit, ...]] = {}
+    tasks_by_key: dict[str, tuple[Unit, ...]] = {}
     for soil, train, offsets, band, averaging in (
         ("horstwalde", "short", [8.0], (10.0, 12.5), ["line", "train"]),
         ("horstwalde", "long", [8.0], (10.0, 12.5), ["line"]),
@@ -216,19 +219,19 @@ def _tasks() -> list[tuple[Unit, ...]]:
     ):
         resolved = study.resolve(_study(soil, train, offsets, band, averaging))
         (case,) = resolved.cases()
-        wanted = [spectra_unit(resolved, case, each) for each in resolved.study.approaches.compare]
+        wanted = [spectra_unit(resolved, case, approach) for approach in resolved.study.approaches.compare]
         tasks = plan.make(wanted, set()).tasks
-        made |= {key: task.units for key, task in tasks.items() if key not in made}
+        tasks_by_key |= {key: task.units for key, task in tasks.items() if key not in tasks_by_key}
     layered = _split(library.load("soil", "greby"))
     track = library.load("track", "ballasted-paper")
     for block in (0, 2):
-        made[f"{block}"] = tuple(
+        tasks_by_key[f"{block}"] = tuple(
             unit_of(
                 TransferTable(ground=layered, track=track, tolerance=1e-4, receiver=receiver, block=block)
             )
             for receiver in (RAIL, Receiver(32.0))
         )
-    return list(made.values())
+    return list(tasks_by_key.values())
 
 
 def _study(
@@ -270,13 +273,13 @@ def _split(ground: Any) -> Ground:
 def _rates(samples: Sequence[_Sample]) -> dict[str, float]:
     """Return the rates of a sort of task: some amounts make a stage, the others all the rest."""
     stages = samples[0].work.by_cost
-    taken = {name for names in stages.values() for name in names}
-    rest = [name for name in samples[0].work.amounts if name not in taken]
-    found: dict[str, float] = {}
+    staged = {name for names in stages.values() for name in names}
+    rest = [name for name in samples[0].work.amounts if name not in staged]
+    by_name: dict[str, float] = {}
     for stage, names in stages.items():
-        found |= _fit_rates(names, samples, [sample.stages.get(stage, 0.0) for sample in samples])
+        by_name |= _fit_rates(names, samples, [sample.stages.get(stage, 0.0) for sample in samples])
     others = [sample.total - sum(sample.stages.get(stage, 0.0) for stage in stages) for sample in samples]
-    return found | _fit_rates(rest, samples, others)
+    return by_name | _fit_rates(rest, samples, others)
 
 
 def _fit_rates(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[float]) -> dict[str, float]:
@@ -286,8 +289,8 @@ def _fit_rates(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence
     amounts = np.array([[sample.work.amounts[name] for name in names] for sample in samples])
     weight = 1.0 / np.maximum(spent, 0.1 * np.max(spent) + 1e-4)
     scale = amounts.max(axis=0)
-    found, _ = nnls(amounts / scale * weight[:, None], np.asarray(spent) * weight)
-    return dict(zip(names, (found / scale).tolist(), strict=True))
+    solution, _ = nnls(amounts / scale * weight[:, None], np.asarray(spent) * weight)
+    return dict(zip(names, (solution / scale).tolist(), strict=True))
 
 
 PILOTS = {"pilot": measure, "pilot-fe-be": measure_fe_be}

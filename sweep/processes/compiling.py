@@ -65,12 +65,12 @@ def compile_stage(stage: type[Stage]) -> None:
 
 def _succeeds_apart(warm_up: Callable[[], None]) -> bool:
     """Return whether a function returns in a forked process, which keeps to itself why it does not."""
-    here = os.getpid()
+    this_process = os.getpid()
     process = os.fork()
     if process == 0:
         status = 1
         try:
-            parent.end_with(here)
+            parent.end_with(this_process)
             warm_up()
             status = 0
         finally:

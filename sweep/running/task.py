@@ -59,8 +59,8 @@ class Place:
 
     def find(self, unit: Unit) -> tuple[str, dict[str, Any]] | None:
         """Return where a unit lies and its commit record, or None where it has none."""
-        found = ((home, records.find(home, unit.stage_name, unit.id)) for home in self.homes)
-        return next(((home, record) for home, record in found if record is not None), None)
+        candidates = ((home, records.find(home, unit.stage_name, unit.id)) for home in self.homes)
+        return next(((home, record) for home, record in candidates if record is not None), None)
 
 
 Status = Literal["done", "failed", "damaged", "no space"]
@@ -182,7 +182,9 @@ def _compute(missing: list[Unit], place: Place, started: str) -> Iterator[tuple[
             return
         batch = {units[stage]: result for stage, result in results.items()}
         _complete(costs, time.perf_counter() - wall, time.process_time() - cpu)
-        cautions = [str(each.message) for each in caught if issubclass(each.category, AccuracyWarning)]
+        cautions = [
+            str(warning.message) for warning in caught if issubclass(warning.category, AccuracyWarning)
+        ]
         yield from _record(batch, costs, cautions, place, writers, started)
         del batch, results  # before the next one takes its memory
 
@@ -205,9 +207,9 @@ def _record(
         writer.settle()
     # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
     # computed again as a whole.
-    for home, made in stored.items():
-        firsts = records.commit_many(home, [record for _, record, _ in made])
-        for (unit, _, written), first in zip(made, firsts, strict=True):
+    for home, entries in stored.items():
+        firsts = records.commit_many(home, [record for _, record, _ in entries])
+        for (unit, _, written), first in zip(entries, firsts, strict=True):
             if first and unit.scope != "case":  # what belongs to one case no other task reads
                 _hold(unit, place, restore(written, unit.stage.result))
                 _recorded[place.directory, unit.id] = home, written.group_fields()
@@ -229,9 +231,9 @@ class Reader:
         WithdrawnError
             If it is damaged or not there; its record, if any, is taken back so that it is computed again.
         """
-        held = _cache.get((self._place.directory, unit.id))
-        if held is not None:
-            return held
+        cached = _cache.get((self._place.directory, unit.id))
+        if cached is not None:
+            return cached
         with cost.stage("load"):
             try:
                 result = self._reread(unit)
@@ -254,10 +256,10 @@ class Reader:
 
     def _read_by_record(self, unit: Unit) -> Any:
         """Return a result by its record."""
-        found = self._place.find(unit)
-        if found is None:
+        location_and_record = self._place.find(unit)
+        if location_and_record is None:
             raise store.DamagedError(f"{unit.stage_name}/{unit.id}: has no record that can be read")
-        home, record = found
+        home, record = location_and_record
         return self._read(unit, home, {name: record.get(name) for name in store.GROUP_FIELDS})
 
     def _read(self, unit: Unit, home: str, recorded: dict[str, Any]) -> Any:
@@ -293,14 +295,14 @@ def _store(
     cpu, wall = time.process_time(), time.perf_counter()
     first = next(iter(group))
     name = f"{first.stage_name}/{first.id}"
-    said = {"kind": first.stage_name, "model_version": railvib.MODEL_VERSION}
+    attributes = {"kind": first.stage_name, "model_version": railvib.MODEL_VERSION}
     results = {unit.stage.label(): parts.with_attributes(unit_id=unit.id) for unit, parts in group.items()}
-    made = writer.together(name, results, said)
+    members = writer.together(name, results, attributes)
     wall_s = (time.perf_counter() - wall) / len(group)
     cpu_s = (time.process_time() - cpu) / len(group)
     spent = vars(cost.StageCost("store", wall_s, cpu_s, peak_rss_bytes=_peak()))
     stored = []
-    for unit, written in zip(group, made, strict=True):
+    for unit, written in zip(group, members, strict=True):
         storing = {**spent, "bytes_written": written.bytes_written}
         record = {
             **_head(unit, place, started),

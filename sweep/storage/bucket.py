@@ -80,8 +80,8 @@ class Bucket:
 
     def names(self, prefix: str) -> list[str]:
         """Return the last parts of keys and of common prefixes."""
-        found = obstore.list_with_delimiter(self._store, prefix)
-        keys = [*found["common_prefixes"], *(meta["path"] for meta in found["objects"])]
+        listing = obstore.list_with_delimiter(self._store, prefix)
+        keys = [*listing["common_prefixes"], *(meta["path"] for meta in listing["objects"])]
         return [key.rstrip("/").rpartition("/")[2] for key in keys]
 
     def create(self, key: str, content: bytes) -> bool:

@@ -66,18 +66,18 @@ class Cache:
 
     def get(self, key: tuple[str, str]) -> Any:
         """Return a result, or None where it is not held."""
-        held = self._results.get(key)
-        if held is None:
+        entry = self._results.get(key)
+        if entry is None:
             return None
         self._results.move_to_end(key)
-        return held.result
+        return entry.result
 
     def put(self, key: tuple[str, str], result: Any) -> None:
         """Hold a result, and let go of those not used for longest."""
         if key in self._results:
             return
-        held = self._results[key] = _Held(result)
-        self._nbytes += held.measure()
+        entry = self._results[key] = _Held(result)
+        self._nbytes += entry.measure()
         for part in _shared_parts(result):
             if part not in self._shared:
                 self._shared[part] = _Held(part)
@@ -98,13 +98,13 @@ class Cache:
     def _measure(self) -> None:
         """Find what has grown, and make so much room that it lasts for some results."""
         self._unmeasured = 0
-        self._nbytes += sum(held.measure() for held in (*self._results.values(), *self._shared.values()))
+        self._nbytes += sum(entry.measure() for entry in (*self._results.values(), *self._shared.values()))
         if self._nbytes <= self._limit:
             return
         while self._results and self._nbytes > ROOM * self._limit:
-            _key, held = self._results.popitem(last=False)
-            self._nbytes -= held.nbytes
-            for part in _shared_parts(held.result):
+            _key, entry = self._results.popitem(last=False)
+            self._nbytes -= entry.nbytes
+            for part in _shared_parts(entry.result):
                 self._shared[part].holders -= 1
                 if not self._shared[part].holders:
                     self._nbytes -= self._shared.pop(part).nbytes

@@ -35,8 +35,8 @@ def checksum(array: NDArray[Any]) -> dict[str, Any]:
 
 def arrays_in_memory(arrays: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
     """Return those of the arrays of a record that are in memory."""
-    found = {name: _in_memory.get(_key(recorded)) for name, recorded in arrays.items()}
-    return {name: array for name, array in found.items() if array is not None}
+    candidates = {name: _in_memory.get(_key(recorded)) for name, recorded in arrays.items()}
+    return {name: array for name, array in candidates.items() if array is not None}
 
 
 def hold(array: NDArray[Any], recorded: Mapping[str, Any]) -> None:

@@ -55,8 +55,8 @@ def encode_array(
         Size from which the array is cut along its first dimension.
     """
     shape = _chunk_shape(array, chunk_bytes)
-    said = _array_metadata(name, array.shape, array.dtype, shape, metadata)
-    return _json(said), _chunks(array, shape, ())
+    form = _array_metadata(name, array.shape, array.dtype, shape, metadata)
+    return _json(form), _chunks(array, shape, ())
 
 
 def encode_stack(
@@ -69,15 +69,20 @@ def encode_stack(
     """
     first = arrays[0]
     shape = _chunk_shape(first, chunk_bytes)
-    said = _array_metadata(name, (len(arrays), *first.shape), first.dtype, [1, *shape], metadata)
-    return _json(said), [_chunks(array, shape, (place,), view=True) for place, array in enumerate(arrays)]
+    form = _array_metadata(name, (len(arrays), *first.shape), first.dtype, [1, *shape], metadata)
+    return _json(form), [_chunks(array, shape, (place,), view=True) for place, array in enumerate(arrays)]
 
 
-def slice_metadata(said: Mapping[str, Any], place: int) -> dict[str, Any]:
+def slice_metadata(metadata: Mapping[str, Any], place: int) -> dict[str, Any]:
     """Return what to say of one array of a stack so that `chunk_keys` and `decode_array` take it alone."""
-    grid = said["chunk_grid"]
+    grid = metadata["chunk_grid"]
     grid = {**grid, "configuration": {"chunk_shape": grid["configuration"]["chunk_shape"][1:]}}
-    return {**said, "shape": said["shape"][1:], "chunk_grid": grid, _PLACE: [*said.get(_PLACE, []), place]}
+    return {
+        **metadata,
+        "shape": metadata["shape"][1:],
+        "chunk_grid": grid,
+        _PLACE: [*metadata.get(_PLACE, []), place],
+    }
 
 
 def chunk_checksums(chunks: Mapping[str, Content]) -> bytes:
@@ -119,14 +124,14 @@ def decode_group(content: bytes) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
     return group["consolidated_metadata"]["metadata"], group["attributes"]
 
 
-def chunk_keys(name: str, said: Mapping[str, Any]) -> list[str]:
+def chunk_keys(name: str, metadata: Mapping[str, Any]) -> list[str]:
     """Return the keys of an array's chunks below the group's from what is said of the array."""
-    separator = said["chunk_key_encoding"]["configuration"]["separator"]
-    shape = said["chunk_grid"]["configuration"]["chunk_shape"]
-    return [f"{name}/{key}" for key in _keys(said["shape"], shape, said.get(_PLACE, ()), separator)]
+    separator = metadata["chunk_key_encoding"]["configuration"]["separator"]
+    shape = metadata["chunk_grid"]["configuration"]["chunk_shape"]
+    return [f"{name}/{key}" for key in _keys(metadata["shape"], shape, metadata.get(_PLACE, ()), separator)]
 
 
-def decode_array(name: str, said: Mapping[str, Any], objects: Objects) -> tuple[NDArray[Any], bytes]:
+def decode_array(name: str, metadata: Mapping[str, Any], objects: Objects) -> tuple[NDArray[Any], bytes]:
     """Return an array of a group, and the checksums of its chunks, which have been looked at.
 
     Raises
@@ -134,17 +139,17 @@ def decode_array(name: str, said: Mapping[str, Any], objects: Objects) -> tuple[
     ValueError, KeyError, TypeError
         If a chunk is missing, torn, or not in the form that it is encoded in here.
     """
-    if said["codecs"] != _CODECS:
+    if metadata["codecs"] != _CODECS:
         raise ValueError(f"{name}: is encoded in another way")
-    shape, dtype = tuple(said["shape"]), np.dtype(said["data_type"]).newbyteorder("<")
-    chunk_shape = said["chunk_grid"]["configuration"]["chunk_shape"]
+    shape, dtype = tuple(metadata["shape"]), np.dtype(metadata["data_type"]).newbyteorder("<")
+    chunk_shape = metadata["chunk_grid"]["configuration"]["chunk_shape"]
     if 0 in shape:
         return np.empty(shape, dtype), b""
     if list(chunk_shape[1:]) != list(shape[1:]):  # a stack of arrays that are cut themselves
-        slices = (decode_array(name, slice_metadata(said, place), objects) for place in range(shape[0]))
+        slices = (decode_array(name, slice_metadata(metadata, place), objects) for place in range(shape[0]))
         arrays, checksums = zip(*slices, strict=True)
         return np.stack(arrays), b"".join(checksums)
-    parts = [_verify(key, objects) for key in chunk_keys(name, said)]
+    parts = [_verify(key, objects) for key in chunk_keys(name, metadata)]
     content = parts[0][0] if len(parts) == 1 else np.concatenate([chunk for chunk, _ in parts])
     array = np.frombuffer(content, dtype).reshape((-1, *chunk_shape[1:]) if shape else ())
     # Arrays that cannot be written to are another type to compiled kernels.

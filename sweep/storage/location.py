@@ -51,7 +51,7 @@ def is_bucket(address: Path | str) -> bool:
     return isinstance(address, str) and address.startswith(S3)
 
 
-def address(given: str) -> str:
+def address(store: str) -> str:
     """Return a user's `--store` in a form that holds anywhere: an absolute path, or an address.
 
     Raises
@@ -59,12 +59,12 @@ def address(given: str) -> str:
     InputError
         If it is neither.
     """
-    if is_bucket(given):
-        return f"{S3}{'/'.join(_bucket_parts(given))}"
-    scheme = re.match(r"^([A-Za-z][\w+.-]*)://", given)
+    if is_bucket(store):
+        return f"{S3}{'/'.join(_bucket_parts(store))}"
+    scheme = re.match(r"^([A-Za-z][\w+.-]*)://", store)
     if scheme:
         raise InputError(f"--store = {scheme[0]}…: must be a path or {S3}BUCKET/PREFIX")
-    return str(Path(given).absolute())
+    return str(Path(store).absolute())
 
 
 def _bucket_parts(address: str) -> list[str]:

@@ -86,13 +86,17 @@ def commits(directory: Path | str, stage: str | None = None) -> Iterator[dict[st
 
     Of a store outside only those count that a run of the directory needs.
     """
-    here, *outside = homes(directory)
-    kept = {home: _entries(home, stage) for home in (here, *outside)}
+    run, *outside = homes(directory)
+    keys_by_home = {home: _entries(home, stage) for home in (run, *outside)}
     needed = _ids_of_runs(directory) if outside else set()
     for home in outside:
-        kept[home] = [key for key in kept[home] if key[1] in needed and key not in kept[here]]
-    contents = {home: location.at(home).read_many(_key(*key) for key in keys) for home, keys in kept.items()}
-    for (_, unit_id), home in sorted((key, home) for home, keys in kept.items() for key in keys):
+        keys_by_home[home] = [
+            key for key in keys_by_home[home] if key[1] in needed and key not in keys_by_home[run]
+        ]
+    contents = {
+        home: location.at(home).read_many(_key(*key) for key in keys) for home, keys in keys_by_home.items()
+    }
+    for (_, unit_id), home in sorted((key, home) for home, keys in keys_by_home.items() for key in keys):
         record = _record(unit_id, next(contents[home]))
         if record is not None:
             yield record
@@ -107,11 +111,11 @@ def failures(directory: Path | str) -> Iterator[dict[str, Any]]:
 
 def ids_of(directory: Path | str) -> set[str]:
     """Return the ids of all committed units of a run directory, from the names of their records alone."""
-    here, *outside = homes(directory)
-    found = ids_at(here)
+    run, *outside = homes(directory)
+    ids = ids_at(run)
     for home in outside:
-        found |= ids_at(home) & _ids_of_runs(directory)
-    return found
+        ids |= ids_at(home) & _ids_of_runs(directory)
+    return ids
 
 
 def ids_at(home: Home) -> set[str]:
@@ -129,12 +133,12 @@ def commit(home: Home, record: Mapping[str, Any]) -> bool:
     return commit_many(home, [record])[0]
 
 
-def commit_many(home: Home, made: Sequence[Mapping[str, Any]]) -> list[bool]:
+def commit_many(home: Home, batch: Sequence[Mapping[str, Any]]) -> list[bool]:
     """Write commit records, one per unit, unless there are some; return of each whether it counts."""
     place = location.at(home)
-    contents = {_key(record["kind"], record["unit_id"]): _encode(record) for record in made}
+    contents = {_key(record["kind"], record["unit_id"]): _encode(record) for record in batch}
     is_first = place.create_many(contents)
-    for number, (record, (key, content)) in enumerate(zip(made, contents.items(), strict=True)):
+    for number, (record, (key, content)) in enumerate(zip(batch, contents.items(), strict=True)):
         if not is_first[number] and _record(record["unit_id"], place.read(key)) is None:
             place.remove(key)  # one that cannot be read holds its name for nothing
             is_first[number] = place.create(key, content)
@@ -192,7 +196,7 @@ def _record(unit_id: str, encoded: bytes | None) -> dict[str, Any] | None:
 def _folder(directory: Path | str, name: str, form: Form) -> list[dict[str, Any]]:
     """Return the whole files of one folder of a run directory's records, in order of their names."""
     place = Folder(directory)
-    keys = [_key(name, each) for _, each in _entries(directory, name)]
+    keys = [_key(name, unit_id) for _, unit_id in _entries(directory, name)]
     contents = (_decode(encoded, form) for encoded in place.read_many(keys))
     return [content for content in contents if content is not None]
 

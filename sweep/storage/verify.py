@@ -27,26 +27,26 @@ class Damage:
 def find_damage(directory: Path, units: Iterable[Unit]) -> Iterator[Damage]:
     """Read the stored results of units that have a record; yield those that are damaged."""
     present = records.ids_of(directory)
-    there = [unit for unit in units if unit.id in present]
+    stored = [unit for unit in units if unit.id in present]
     with ThreadPoolExecutor(THREADS) as pool:
-        for unit, reason in zip(there, pool.map(lambda unit: _fault(directory, unit), there), strict=True):
+        for unit, reason in zip(stored, pool.map(lambda unit: _fault(directory, unit), stored), strict=True):
             if reason is not None:
                 yield Damage(unit, reason)
 
 
 def withdraw(directory: Path, units: Iterable[Unit]) -> list[Damage]:
     """Take back the records of damaged results, so that they are computed again; return what was damaged."""
-    found = list(find_damage(directory, units))
-    for each in found:
+    damages = list(find_damage(directory, units))
+    for damage in damages:
         for home in records.homes(directory):
-            records.withdraw(home, each.unit.stage_name, each.unit.id)
-    return found
+            records.withdraw(home, damage.unit.stage_name, damage.unit.id)
+    return damages
 
 
 def _fault(directory: Path, unit: Unit) -> str | None:
     """Return what is wrong with a stored result, or None."""
-    found = (records.find(home, unit.stage_name, unit.id) for home in records.homes(directory))
-    record = next((record for record in found if record is not None), None)
+    candidates = (records.find(home, unit.stage_name, unit.id) for home in records.homes(directory))
+    record = next((record for record in candidates if record is not None), None)
     if record is None:
         return "its record cannot be read"
     try:

@@ -35,8 +35,8 @@ class Drain(WorkerPlugin):
     def setup(self, worker: Any) -> None:
         """Set the clock of a worker that starts; one that follows another in a job has less time."""
         age = time.time() - float(os.environ.get(STARTED, time.time()))
-        left = self._walltime_s - self._drain_s * random.uniform(1.0, 2.0) - age
-        worker.loop.call_later(max(left, 0.0), _leave, worker)
+        delay_s = self._walltime_s - self._drain_s * random.uniform(1.0, 2.0) - age
+        worker.loop.call_later(max(delay_s, 0.0), _leave, worker)
 
 
 async def _leave(worker: Any) -> None:

@@ -128,8 +128,8 @@ def _telling(job: type[dask_jobqueue.core.Job], first: "_First") -> type[dask_jo
             try:
                 await super().start()
             except RuntimeError as error:
-                said = [line for line in str(error).partition("stderr:")[2].splitlines() if line]
-                first.refusal = said[0] if said else str(error)
+                lines = [line for line in str(error).partition("stderr:")[2].splitlines() if line]
+                first.refusal = lines[0] if lines else str(error)
                 self.status = Status.failed
                 if not first.awaited:
                     raise
@@ -228,7 +228,7 @@ def _walltime(file: Queue) -> str:
 @contextmanager
 def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[SpecCluster]:
     """Start workers by SSH, and the scheduler here."""
-    given = {
+    connection = {
         "username": file.user,
         "port": file.port,
         "client_keys": file.key_file,
@@ -244,7 +244,7 @@ def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[S
             "cls": ssh.Worker,
             "options": {
                 "address": host,
-                "connect_options": {name: value for name, value in given.items() if value is not None},
+                "connect_options": {name: value for name, value in connection.items() if value is not None},
                 "kwargs": {**options, "n_workers": file.workers_per_host},
                 "remote_python": file.python,
             },
@@ -263,7 +263,7 @@ def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[S
         }
     ):
         try:
-            made = SpecCluster(
+            ssh_cluster = SpecCluster(
                 workers,
                 {"cls": Scheduler, "options": listening},
                 security=security,
@@ -271,5 +271,5 @@ def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[S
             )
         except (OSError, asyncssh.Error) as error:
             raise InputError(f"hosts: {', '.join(file.hosts)}: no workers by SSH: {error}") from None
-    with made:
-        yield made
+    with ssh_cluster:
+        yield ssh_cluster

@@ -58,11 +58,11 @@ class Launch:
 
     def __post_init__(self) -> None:
         """Check what can be checked without asking anybody."""
-        given = [
+        places = [
             f"--{name}" for name in ("workers", "scheduler", "cluster") if getattr(self, name) is not None
         ]
-        if len(given) > 1:
-            raise InputError(f"{' and '.join(given)}: exclude each other")
+        if len(places) > 1:
+            raise InputError(f"{' and '.join(places)}: exclude each other")
         for name in ("tls_ca", "tls_cert", "tls_key"):
             if getattr(self, name) is not None and self.scheduler is None:
                 raise InputError(f"--{name.replace('_', '-')}: is for --scheduler tls://HOST:PORT")

@@ -62,11 +62,11 @@ def _refusal(address: str, security: Security | None) -> str | None:
     try:
         with socket.create_connection((host, port), TIMEOUT_S) as plain:
             if security is None:
-                said = plain.recv(1)
+                reply = plain.recv(1)
             else:
                 context = security.get_connection_args("client")["ssl_context"]
                 with context.wrap_socket(plain, server_hostname=host) as encrypted:
-                    said = encrypted.recv(1)  # where a refusal of our certificate arrives
+                    reply = encrypted.recv(1)  # where a refusal of our certificate arrives
     except ssl.SSLCertVerificationError:
         return "its certificate is not signed by --tls-ca"
     except ssl.SSLError as error:
@@ -78,7 +78,7 @@ def _refusal(address: str, security: Security | None) -> str | None:
         return "does not answer" if security else "does not answer; does it listen at tls://…?"
     except OSError as error:
         return f"cannot be reached: {error.strerror or error}"
-    return None if said else "closes the connection" if security else "closes the connection; is it tls://…?"
+    return None if reply else "closes the connection" if security else "closes the connection; is it tls://…?"
 
 
 def _unfit(client: Client, directory: Path, store: str | None) -> str | None:
@@ -88,14 +88,14 @@ def _unfit(client: Client, directory: Path, store: str | None) -> str | None:
     if many:
         return f"worker {many[0]} has {threads[many[0]]} threads; must be started with --nthreads 1"
     folders = [directory.absolute(), *([Path(store)] if store and not location.is_bucket(store) else [])]
-    existing = [next(each for each in (folder, *folder.parents) if each.is_dir()) for folder in folders]
+    existing = [next(parent for parent in (folder, *folder.parents) if parent.is_dir()) for folder in folders]
     probes = [tempfile.NamedTemporaryFile(prefix=".railvib-", dir=folder) for folder in existing]
     try:
-        said = client.run(_look, [probe.name for probe in probes], store, on_error="return")
+        answers = client.run(_look, [probe.name for probe in probes], store, on_error="return")
     finally:
         for probe in probes:
             probe.close()
-    for worker, answer in said.items():
+    for worker, answer in answers.items():
         if isinstance(answer, BaseException):
             return f"worker {worker}: {type(answer).__name__}: {answer}".partition("\n")[0]
         if answer != railvib.MODEL_VERSION:

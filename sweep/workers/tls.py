@@ -61,11 +61,11 @@ class Certificates:
 @contextmanager
 def temporary(folder: Path) -> Iterator[Security]:
     """Make a certificate for one run; its files, for nobody else to read, are removed at the end."""
-    made = Security.temporary()
+    certificates = Security.temporary()
     cert, key = folder / CERTIFICATE, folder / KEY
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        for path, content in ((cert, made.tls_ca_file), (key, made.tls_client_key)):
+        for path, content in ((cert, certificates.tls_ca_file), (key, certificates.tls_client_key)):
             path.unlink(missing_ok=True)
             with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
                 file.write(content)
