@@ -10,7 +10,8 @@ from rich.text import Text
 from queries import answers
 from queries.answers import Levels, Pair
 from queries.database import Place, ResultsError, connect, ingest, locate, snapshot
-from queries.figures import FigureProcesses, are_drawn
+from queries.figures import FigureProcesses
+from queries.figures.catalogue import are_drawn
 from queries.report import shown_snapshot, write_report
 
 _STORE = "transfer_functions.zarr"

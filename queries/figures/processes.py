@@ -1,25 +1,27 @@
-"""Processes that draw figures while other work goes on."""
+"""Processes that draw figures while other work goes on.
+
+What drawing takes is imported where it is used, so that the driver of a run starts the processes without
+delay: they load it while the last tasks run.
+"""
 
 import gc
 import importlib
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 from multiprocessing import get_all_start_methods, get_context, parent_process
 from pathlib import Path
 from threading import Thread
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import duckdb
+if TYPE_CHECKING:
+    import duckdb
 
-from queries.database import ResultsError, connect, reason
-from queries.figures import catalogue
-from queries.figures.drawing import Drawing
-from queries.figures.write import write
+    from queries.figures.drawing import Drawing
 
 WORKERS = min(os.cpu_count() or 1, 4)
 """Processes that draw."""
@@ -38,12 +40,12 @@ class _Request(NamedTuple):
 
 
 class FigureProcesses:
-    """Processes that draw; they load the plotting library as soon as they are made.
+    """Processes that draw, forked from one that loads the plotting library as soon as they are made.
 
     Parameters
     ----------
     workers
-        How many; 0 draws in this process.
+        How many draw; 0 draws in this process.
     """
 
     def __init__(self, workers: int) -> None:
@@ -51,11 +53,11 @@ class FigureProcesses:
         if workers:
             forking = "forkserver" in get_all_start_methods()
             context = get_context("forkserver" if forking else "spawn")
-            context.set_forkserver_preload([_PLOTS])  # unless the engine has started its server already
-            self._pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_prepare)
+            self._pool = ProcessPoolExecutor(
+                1, mp_context=context, initializer=_prepare_loader, initargs=(workers,)
+            )
             with _block_interrupts():  # the server inherits it
-                for _ in range(workers):
-                    self._pool.submit(_load)
+                self._pool.submit(int)
 
     def __enter__(self) -> "FigureProcesses":
         """Return itself; leaving the block waits for the processes to end."""
@@ -63,11 +65,13 @@ class FigureProcesses:
 
     def __exit__(self, *_: object) -> None:
         if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
+            with suppress(BrokenProcessPool):
+                self._pool.submit(_end_drawers)
+            self._pool.shutdown()
 
     def start(
         self,
-        connection: duckdb.DuckDBPyConnection,
+        connection: "duckdb.DuckDBPyConnection",
         path: Path,
         folder: Path,
         kind: str = "png",
@@ -95,22 +99,26 @@ class FigureProcesses:
         ResultsError
             If the folder cannot be written.
         """
+        from queries.figures import catalogue
+        from queries.figures.write import write
+
         drawings = catalogue.drawings(connection, every)
         request = _Request(path, path.stat().st_mtime_ns, folder, kind, every)
-        waiting: list[Future[None]] = []
+        drawn: Future[None] | None = None
         with _faults_in(folder):
             folder.mkdir(parents=True, exist_ok=True)
             if self._pool is not None:
                 # The last figures have the most panels: first, lest one process end long after the others.
-                waiting = [self._pool.submit(_draw, request, drawing.name) for drawing in reversed(drawings)]
+                names = [drawing.name for drawing in reversed(drawings)]
+                drawn = self._pool.submit(_draw_all, request, names)
 
         def finish() -> list[Path]:
             with _faults_in(folder):
-                if self._pool is None:
+                if drawn is not None:
+                    drawn.result()
+                else:
                     for drawing in drawings:
                         write(drawing, folder, kind)
-                for future in waiting:
-                    future.result()
                 return catalogue.clear(folder, kind, drawings)
 
         return finish
@@ -119,6 +127,8 @@ class FigureProcesses:
 @contextmanager
 def _faults_in(folder: Path) -> Iterator[None]:
     """Turn a folder that cannot be written, and a process that is lost, into errors of one line."""
+    from queries.database import ResultsError, reason
+
     try:
         yield
     except OSError as error:
@@ -136,10 +146,26 @@ def _block_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _prepare() -> None:
-    """Leave Ctrl-C to the parent, end with it, and keep what is loaded out of garbage collection."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    gc.freeze()  # looking there would copy memory that processes share
+_drawers: ProcessPoolExecutor | None = None
+"""In the process that has loaded the plotting library: those forked from it; None where it draws itself."""
+
+
+def _prepare_loader(workers: int) -> None:
+    """Load the plotting library, and fork the processes that draw."""
+    global _drawers
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent
+    gc.disable()
+    importlib.import_module(_PLOTS)
+    gc.freeze()  # looking there for garbage would copy memory that processes share
+    gc.enable()
+    if workers > 1 and "fork" in get_all_start_methods():
+        context = get_context("fork")
+        _drawers = ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
+        _drawers.submit(int)  # forks all of them, while this process has one thread
+    _end_with_parent()
+
+
+def _end_with_parent() -> None:
     parent = parent_process()
     assert parent is not None
 
@@ -150,18 +176,34 @@ def _prepare() -> None:
     Thread(target=watch, daemon=True).start()
 
 
-def _load() -> None:
-    """Load the plotting library, where the server has not done so."""
-    importlib.import_module(_PLOTS)
+def _end_drawers() -> None:
+    """End the processes that draw: this one waits for them when it ends itself."""
+    if _drawers is not None:
+        _drawers.shutdown()
+
+
+def _draw_all(request: _Request, names: Sequence[str]) -> None:
+    """Draw figures of a request."""
+    if _drawers is None:
+        for name in names:
+            _draw(request, name)
+    else:
+        for future in [_drawers.submit(_draw, request, name) for name in names]:
+            future.result()
 
 
 def _draw(request: _Request, name: str) -> None:
     """Draw one figure of a request."""
+    from queries.figures.write import write
+
     write(_drawings(request)[name], request.folder, request.kind)
 
 
 @lru_cache(1)
-def _drawings(request: _Request) -> dict[str, Drawing]:
+def _drawings(request: _Request) -> "dict[str, Drawing]":
     """Return the figures of a request by name, on a connection that stays open for them."""
+    from queries.database import connect
+    from queries.figures import catalogue
+
     connection = connect(request.path, bounded=True)
     return {drawing.name: drawing for drawing in catalogue.drawings(connection, request.every)}

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from queries import answers
-from queries.figures import approach_line
+from queries.figures.lines import approach_line
 from queries.report import spectra
 from queries.report.packing import NONE, hundredths, text
 from queries.report.spectra import CONTRIBUTIONS, Sizes
