@@ -5,7 +5,7 @@ from typing import Any
 from railvib.parameters.ground import Ground
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
-from railvib.parameters.vehicle import AXLES, Train
+from railvib.parameters.vehicle import Train
 from sweep.study import Resolved
 
 
@@ -45,12 +45,18 @@ def axles(resolved: Resolved) -> dict[str, list[dict[str, Any]]]:
         name: [
             {
                 "receiver": f"axle-{number}",
-                "vehicle": 1 + (number - 1) // AXLES,
+                "vehicle": int(vehicle),
                 "behind_first_axle_m": float(train.axle_positions[-1] - position),
                 "axle_load_n": float(load),
             }
-            for number, (position, load) in enumerate(
-                zip(train.axle_positions[::-1], train.axle_loads[::-1], strict=True), 1
+            for number, (vehicle, position, load) in enumerate(
+                zip(
+                    train.axle_vehicles[::-1],
+                    train.axle_positions[::-1],
+                    train.axle_loads[::-1],
+                    strict=True,
+                ),
+                1,
             )
         ]
         for name, train in resolved.objects["train"].items()

@@ -91,8 +91,13 @@ def _add_train(
     placed = list(_axles_without_places(vehicles) if axles is None else axles)
     length = sum(vehicle["length_m"] for vehicle in vehicles)
     tables["trains"].append({**row, "vehicles": len(vehicles), "axles": len(placed), "length_m": length})
-    tables["vehicles"] += _number_parts(vehicles, head, "vehicle")
+    tables["vehicles"] += _number_parts(map(_with_car, vehicles), head, "vehicle")
     tables["axles"] += [{**axle, **head} for axle in placed]
+
+
+def _with_car(vehicle: Mapping[str, Any]) -> Row:
+    """Return a vehicle with the columns of its car, which one given by its parts has in a table."""
+    return {**vehicle, **{f"car_{key}": value for key, value in vehicle.get("car", {}).items()}}
 
 
 def _axles_without_places(vehicles: Iterable[Mapping[str, Any]]) -> Iterator[Row]:

@@ -15,7 +15,7 @@ from railvib import cost
 from railvib.forces._kernels.axle_system import solve
 from railvib.forces.receptance import Receptances
 from railvib.numerics.vector_math import phasors
-from railvib.parameters.vehicle import Train, Vehicle, chain_flexibilities, train_receptance
+from railvib.parameters.vehicle import Block, Train, train_receptance
 
 _MOST_GROWTH = 1e3
 """Largest product of the factors' entries, relative to the matrix, for which rows keep their order: at most
@@ -83,8 +83,6 @@ class AxleEquations:
         with cost.stage("wheel-rail forces"):
             self._omega = 2.0 * np.pi * frequency
             self._receptance = rail.at(frequency)
-            flexibility = [chain_flexibilities(vehicle, self._omega) for vehicle in self._layout.kinds]
-            self._flexibility = np.stack(flexibility)
 
     def matrices(self, rows: slice) -> np.ndarray:
         """Return the forces per unit unevenness at each axle, as `force_matrices`, at some frequencies."""
@@ -96,11 +94,14 @@ class AxleEquations:
         forces = np.empty(unevenness.shape, complex)
         with cost.stage("wheel-rail forces") as spent:
             receptance = self._receptance[rows]
+            flexibility = [block.flexibilities(self._omega[rows]) for block in self._layout.kinds]
             growth = solve(
                 receptance,
                 self._column,
-                np.ascontiguousarray(self._flexibility[..., rows]),
-                self._layout.kind,
+                np.concatenate(flexibility),
+                self._layout.first_term,
+                self._layout.term,
+                self._layout.share,
                 self._layout.contact,
                 np.ascontiguousarray(unevenness),
                 forces,
@@ -119,9 +120,14 @@ class _Layout(NamedTuple):
 
     distance: np.ndarray
     """Distance between every two axles, signed, m, (axles, axles)."""
-    kinds: tuple[Vehicle, ...]
-    kind: np.ndarray
-    """Index into the kinds of every vehicle, ascending in x."""
+    kinds: tuple[Block, ...]
+    """Its blocks, each once; their flexibilities, one block after the other, are the terms."""
+    first_term: np.ndarray
+    """Where the terms between every two axles begin, row by row, and where the last ones end."""
+    term: np.ndarray
+    """Which terms these are."""
+    share: np.ndarray
+    """What of each counts between the two axles."""
     contact: np.ndarray
     """1/k_H of every axle, m/N."""
 
@@ -129,11 +135,23 @@ class _Layout(NamedTuple):
 @lru_cache(16)
 def _layout(train: Train) -> _Layout:
     alpha = train.axle_positions
-    kinds = {vehicle: number for number, vehicle in enumerate(dict.fromkeys(train.vehicles))}
+    kinds = tuple(dict.fromkeys(train.blocks))
+    starts = np.cumsum([0] + [len(block.shapes) for block in kinds])
+    between: list[list[tuple[int, float]]] = [[] for _ in range(alpha.size**2)]
+    axle = 0
+    for block in reversed(train.blocks):
+        start = int(starts[kinds.index(block)])
+        shapes = block.shapes
+        for term, row, column in zip(*np.nonzero(shapes), strict=True):
+            pair = (axle + row) * alpha.size + axle + column
+            between[pair].append((start + int(term), float(shapes[term, row, column])))
+        axle += block.axle_count
     return _Layout(
         np.round(alpha[:, None] - alpha[None, :], 9),
-        tuple(kinds),
-        np.array([kinds[vehicle] for vehicle in reversed(train.vehicles)]),
+        kinds,
+        np.cumsum([0] + [len(terms) for terms in between]),
+        np.array([term for terms in between for term, _share in terms]),
+        np.array([share for terms in between for _term, share in terms]),
         1.0 / train.contact_stiffness,
     )
 

@@ -7,6 +7,7 @@ from railvib.library.definitions import (
     Definitions,
     build,
     load,
+    model,
     resolve,
     resolve_train,
 )
@@ -22,6 +23,7 @@ __all__ = [
     "build",
     "entry",
     "load",
+    "model",
     "names",
     "resolve",
     "resolve_train",

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from railvib.library import catalogue, load
 from railvib.library.catalogue import Entry, Kind
+from railvib.parameters.composite_vehicle import CompositeVehicle
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import unit_of
 from railvib.parameters.vehicle import Train, Vehicle
@@ -70,7 +71,7 @@ def _summary(entry: Entry) -> str:
     match load(entry.kind, entry.name):
         case Train() as train:
             return f"Length {train.length:g} m, {train.axle_count} axles; vehicles from the head to the tail"
-        case Vehicle() as vehicle:
+        case Vehicle() | CompositeVehicle() as vehicle:
             return f"Mass {vehicle.total_mass:,g} kg"
         case Unevenness() as unevenness:
             shortest, longest = unevenness.validity

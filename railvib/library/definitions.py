@@ -1,29 +1,39 @@
 """From definitions to objects: those of a study stand before the library's, and both take the same form."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, overload
 
 from railvib.errors import InputError
 from railvib.library.catalogue import Kind, check_kind, entry, names, unknown_name, without_documentation
+from railvib.parameters.composite_vehicle import CompositeVehicle
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
-from railvib.parameters.validation import Parameters, shown, validated, without_cautions
+from railvib.parameters.validation import Parameters, keys, shown, validated, warn, without_cautions
 from railvib.parameters.vehicle import LARGEST_TRAIN, Train, Vehicle
 
 Definition = Mapping[str, Any] | Sequence[Any]
 """What a study or the library says of one thing: its parameters; of a train also a list of its vehicles."""
 
+AnyVehicle = Vehicle | CompositeVehicle
+
 Definitions = Mapping[str, Mapping[str, Definition]]
 """A study's own definitions, by kind and name."""
 
-MODELS: Mapping[Kind, type[Parameters]] = {
-    "soil": Ground,
-    "track": Track,
-    "vehicle": Vehicle,
-    "train": Train,
-    "unevenness": Unevenness,
+MODELS: Mapping[Kind, tuple[type[Parameters], ...]] = {
+    "soil": (Ground,),
+    "track": (Track,),
+    "vehicle": (Vehicle, CompositeVehicle),
+    "train": (Train,),
+    "unevenness": (Unevenness,),
 }
+"""What a definition of each kind may become."""
+
+
+def model(kind: Kind, definition: Mapping[str, Any]) -> type[Parameters]:
+    """Return the class of the object that a definition describes: that with most of its keys."""
+    return max(MODELS[kind], key=lambda candidate: len(set(keys(candidate)).intersection(definition)))
 
 
 @overload
@@ -31,7 +41,7 @@ def load(kind: Literal["soil"], name: str) -> Ground: ...
 @overload
 def load(kind: Literal["track"], name: str) -> Track: ...
 @overload
-def load(kind: Literal["vehicle"], name: str) -> Vehicle: ...
+def load(kind: Literal["vehicle"], name: str) -> AnyVehicle: ...
 @overload
 def load(kind: Literal["train"], name: str) -> Train: ...
 @overload
@@ -64,7 +74,7 @@ def resolve(kind: Literal["soil"], name: str, definitions: Definitions) -> Groun
 @overload
 def resolve(kind: Literal["track"], name: str, definitions: Definitions) -> Track: ...
 @overload
-def resolve(kind: Literal["vehicle"], name: str, definitions: Definitions) -> Vehicle: ...
+def resolve(kind: Literal["vehicle"], name: str, definitions: Definitions) -> AnyVehicle: ...
 @overload
 def resolve(kind: Literal["train"], name: str, definitions: Definitions) -> Train: ...
 @overload
@@ -131,7 +141,7 @@ def build(
         return resolve_train(definition, vehicles, where=where)
     if not isinstance(definition, Mapping):
         raise InputError(f"{where} = {shown(definition)}: must be a table of parameters")
-    return validated(MODELS[kind], without_documentation(definition), where)
+    return validated(model(kind, definition), without_documentation(definition), where)
 
 
 def resolve_train(
@@ -171,7 +181,8 @@ def resolve_train(
 
 def _train(groups: Sequence[tuple[str, Any]], vehicles: Mapping[str, Definition], where: str) -> Train:
     """Return the train of some groups, each with its place in the file."""
-    members: list[Vehicle] = []
+    members: list[AnyVehicle] = []
+    places: list[str] = []
     for place, group in groups:
         table = {"vehicle": group} if isinstance(group, str) else group
         if not isinstance(table, Mapping):
@@ -182,13 +193,24 @@ def _train(groups: Sequence[tuple[str, Any]], vehicles: Mapping[str, Definition]
                 f"{place}.number = {shown(number)}: must be a whole number from 1 to {LARGEST_TRAIN}"
             )
         members += [_vehicle({key: table[key] for key in table if key != "number"}, vehicles, place)] * number
+        places += [place] * number
         if len(members) > LARGEST_TRAIN:
             raise InputError(f"{where}: more than {LARGEST_TRAIN} vehicles; must have at most so many")
-    with without_cautions():  # they have been given with the vehicles
-        return Train(vehicles=tuple(members))
+    with without_cautions():  # those of single vehicles have been given with them
+        try:
+            train = Train(vehicles=tuple(members))
+        except InputError as error:
+            raise InputError(_at_groups(str(error).removeprefix("Train"), places)) from None
+    warn(_at_groups(f".{text}", places) for text in train.unusual())
+    return train
 
 
-def _vehicle(table: Mapping[str, Any], vehicles: Mapping[str, Definition], where: str) -> Vehicle:
+def _at_groups(text: str, places: Sequence[str]) -> str:
+    """Return a message about vehicles of a train with their groups' places in the file."""
+    return re.sub(r"^\.vehicles\[(\d+)\]", lambda match: places[int(match[1])], text)
+
+
+def _vehicle(table: Mapping[str, Any], vehicles: Mapping[str, Definition], where: str) -> AnyVehicle:
     """Return the vehicle of a group: a name, parameters below ``vehicle``, or parameters themselves."""
     definition: Any = table
     if "vehicle" in table:
@@ -203,5 +225,5 @@ def _vehicle(table: Mapping[str, Any], vehicles: Mapping[str, Definition], where
             raise InputError(f"{where}: {unknown_name('vehicle', name, (*vehicles, *names('vehicle')))}")
         return resolve("vehicle", name, {"vehicle": vehicles})
     vehicle = build("vehicle", definition, where=where)
-    assert isinstance(vehicle, Vehicle)
+    assert isinstance(vehicle, AnyVehicle)
     return vehicle

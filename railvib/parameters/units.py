@@ -4,7 +4,7 @@ KMH = 3.6
 """km/h per m/s."""
 
 GRAVITY = 9.81
-"""m/s²; no response depends on it, only comparisons of loads with masses."""
+"""m/s²; axle loads that are not given follow from the masses by it."""
 
 UNITS = {
     "bending_stiffness_n_m2": "N·m²",

@@ -1,10 +1,12 @@
-"""Vehicles of ten degrees of freedom, trains of them, and their receptances at the wheelsets.
+"""Vehicles of ten degrees of freedom, trains of any vehicles, and their receptances at the wheelsets.
 
-Axes as everywhere: x along the track in the direction of travel, z downward. Vehicles are coupled through
-the track only. The derivation of the closed form is in docs/theory/vehicle.md.
+Axes as everywhere: x along the track in the direction of travel, z downward. Vehicles that do not stand on
+each other are coupled through the track only. The derivation of the closed form is in docs/theory/vehicle.md.
 """
 
 from collections.abc import Iterator
+from functools import lru_cache
+from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
@@ -12,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from railvib.errors import InputError
+from railvib.parameters.composite_vehicle import CompositeVehicle
+from railvib.parameters.rake import Rake
 from railvib.parameters.units import GRAVITY
 from railvib.parameters.validation import Number, Parameters, warn
 
@@ -121,6 +125,27 @@ class Vehicle(Parameters):
         """Hertz spring of one axle, two wheels in parallel, in N/m."""
         return 2.0 * self.contact_stiffness_per_wheel
 
+    @property
+    def axle_count(self) -> int:
+        """How many axles the vehicle has."""
+        return AXLES
+
+    @property
+    def shapes(self) -> NDArray[np.float64]:
+        """What of each of `flexibilities` is between the wheelsets, (chains, wheelsets, wheelsets)."""
+        return SHAPES
+
+    def flexibilities(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
+        """Return the flexibilities of the vehicle's chains, as `chain_flexibilities`."""
+        return chain_flexibilities(self, angular_frequency)
+
+
+Block = Vehicle | Rake
+"""What of a train moves on its own but for the track: a vehicle, or several that stand on each other.
+
+Its receptances are Σ `flexibilities` · `shapes`.
+"""
+
 
 class Train(Parameters):
     """Vehicles, like or unlike, listed from the head of the train: ``vehicles[0]`` leads.
@@ -129,8 +154,63 @@ class Train(Parameters):
     results, the leading axle, is the last entry of each.
     """
 
-    vehicles: tuple[Vehicle, ...] = Field(min_length=1, max_length=LARGEST_TRAIN)
+    vehicles: tuple[Vehicle | CompositeVehicle, ...] = Field(min_length=1, max_length=LARGEST_TRAIN)
     """From the head of the train to its tail."""
+
+    @model_validator(mode="after")
+    def _vehicles_stand(self) -> Self:
+        ahead: Vehicle | CompositeVehicle | None = None
+        for number, vehicle in enumerate(self.vehicles):
+            if isinstance(vehicle, CompositeVehicle) and vehicle.support is not None:
+                place = f".vehicles[{number}].on_vehicle_ahead"
+                if not isinstance(ahead, CompositeVehicle):
+                    raise InputError(
+                        f"{place}: needs a vehicle ahead that is given by its parts, car and bogies"
+                    )
+                if vehicle.support.on == "bogie" and not ahead.bogies:
+                    raise InputError(f'{place}.on = "bogie": the vehicle ahead has none')
+            ahead = vehicle
+        first = 0
+        for block in self.blocks:
+            count = len(block.vehicles) if isinstance(block, Rake) else 1
+            if isinstance(block, Rake):
+                block.check([f".vehicles[{first + index}]" for index in range(count)])
+            first += count
+        if not self.axle_count:
+            raise InputError(".vehicles: have no axle")
+        positions = self.axle_positions
+        (behind,) = np.nonzero(np.diff(positions) <= 0.0)
+        if behind.size:
+            number = self.axle_vehicles[behind[-1]]
+            raise InputError(
+                f".vehicles[{number - 1}]: its leading axle lies ahead of an axle of the vehicle ahead; "
+                "check positions and length_m"
+            )
+        warn(self.unusual())
+        return self
+
+    def unusual(self) -> Iterator[str]:
+        """Yield that axles of vehicles given by their parts carry another load than the masses weigh."""
+        first = 0
+        for block in self.blocks:
+            if not isinstance(block, Rake):
+                first += 1
+                continue
+            last = first + len(block.vehicles)
+            place = f"vehicles[{first}]" if last == first + 1 else f"vehicles[{first}] to [{last - 1}]"
+            load, weight = block.axle_loads.sum(), block.total_mass * GRAVITY
+            lowest, highest = USUAL_LOAD
+            if block.loads_are_given and not lowest < load / weight < highest:
+                yield (
+                    f"{place}: axle_load_n of {block.axle_count} axles are {load:.4g} N together, but "
+                    f"{block.total_mass:.5g} kg weigh {weight:.4g} N"
+                )
+            first = last
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """What moves on its own but for the track, from the head to the tail."""
+        return _blocks(self.vehicles)
 
     @property
     def length(self) -> float:
@@ -140,26 +220,58 @@ class Train(Parameters):
     @property
     def axle_count(self) -> int:
         """How many axles the train has."""
-        return AXLES * len(self.vehicles)
+        return sum(block.axle_count for block in self.blocks)
 
     @property
     def axle_positions(self) -> NDArray[np.float64]:
         """Positions of all axles in m, ascending, from the tail end of the train; shape (axle_count,)."""
-        vehicles = self.vehicles[::-1]
-        rear_ends = np.cumsum([0.0] + [vehicle.length for vehicle in vehicles[:-1]])
-        return np.concatenate(
-            [x + vehicle.axle_positions for x, vehicle in zip(rear_ends, vehicles, strict=True)]
-        )
+        blocks = self.blocks[::-1]
+        rear_ends = np.cumsum([0.0] + [block.length for block in blocks[:-1]])
+        return np.concatenate([x + block.axle_positions for x, block in zip(rear_ends, blocks, strict=True)])
+
+    @property
+    def axle_vehicles(self) -> NDArray[np.int64]:
+        """Number of every axle's vehicle, 1 at the head, in the order of `axle_positions`."""
+        numbers, first = [], 1
+        for block in self.blocks:
+            own = block.axle_vehicles if isinstance(block, Rake) else np.zeros(AXLES, np.int64)
+            numbers.append(first + own)
+            first += len(block.vehicles) if isinstance(block, Rake) else 1
+        return np.concatenate(numbers[::-1])
 
     @property
     def axle_loads(self) -> NDArray[np.float64]:
         """Static axle loads in N, in the order of `axle_positions`."""
-        return np.repeat([vehicle.axle_load for vehicle in self.vehicles[::-1]], AXLES)
+        return np.concatenate(
+            [
+                block.axle_loads if isinstance(block, Rake) else np.full(AXLES, block.axle_load)
+                for block in self.blocks[::-1]
+            ]
+        )
 
     @property
     def contact_stiffness(self) -> NDArray[np.float64]:
         """Hertz spring per axle in N/m, in the order of `axle_positions`."""
-        return np.repeat([vehicle.contact_stiffness for vehicle in self.vehicles[::-1]], AXLES)
+        return np.concatenate(
+            [np.broadcast_to(block.contact_stiffness, block.axle_count) for block in self.blocks[::-1]]
+        )
+
+
+@lru_cache(64)
+def _blocks(vehicles: tuple[Vehicle | CompositeVehicle, ...]) -> tuple[Block, ...]:
+    """Return the blocks of a train's vehicles."""
+    blocks: list[Block] = []
+    standing: list[CompositeVehicle] = []
+    for vehicle, behind in pairwise((*vehicles, None)):
+        if isinstance(vehicle, Vehicle):
+            blocks.append(vehicle)
+            continue
+        assert vehicle is not None
+        standing.append(vehicle)
+        if not isinstance(behind, CompositeVehicle) or behind.support is None:
+            blocks.append(Rake(tuple(standing)))
+            standing = []
+    return tuple(blocks)
 
 
 def chain_flexibilities(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
@@ -187,13 +299,7 @@ def chain_flexibilities(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArr
     eliminated from the top down, so that the free-body limit −1/(mω²) comes out without any cancellation, at
     any frequency.
     """
-    omega = np.asarray(angular_frequency, dtype=np.float64)
-    if not np.all(np.isfinite(omega)) or np.any(omega == 0.0):
-        refused = omega[~np.isfinite(omega) | (omega == 0.0)].flat[0]
-        raise InputError(
-            f"angular_frequency = {refused:g} rad/s: must be finite and not 0, where a free vehicle has none"
-        )
-
+    omega = _free(angular_frequency)
     # Dynamic stiffnesses per wheelset: a mass m counts as −ω²m.
     inertia = -(omega**2)
     primary = vehicle.primary_stiffness + 1j * omega * vehicle.primary_damping
@@ -210,19 +316,20 @@ def chain_flexibilities(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArr
     return np.asarray(1.0 / np.stack([bounce, car_pitch, bogie_pitch]))
 
 
-def wheelset_receptance(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
-    """Return the receptances between the wheelsets of one vehicle, Σ_W = Bᵀ (K − ω²M)⁻¹ B (Eq. 4).
+def wheelset_receptance(vehicle: Block, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
+    """Return the receptances between the wheelsets of a vehicle or a rake, Σ_W = Bᵀ (K − ω²M)⁻¹ B (Eq. 4).
 
     Parameters
     ----------
     vehicle, angular_frequency
-        As in `chain_flexibilities`.
+        The vehicle, or several by parts that stand on each other; ω as in `chain_flexibilities`.
 
     Returns
     -------
-    Receptances in m/N, shape ω.shape + (4, 4), wheelsets ascending in x.
+    Receptances in m/N, shape ω.shape + (axles, axles), wheelsets ascending in x.
     """
-    return np.asarray(np.einsum("c...,clm->...lm", chain_flexibilities(vehicle, angular_frequency), SHAPES))
+    flexibilities = vehicle.flexibilities(_free(angular_frequency))
+    return np.asarray(np.einsum("c...,clm->...lm", flexibilities, vehicle.shapes))
 
 
 def train_receptance(train: Train, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
@@ -245,12 +352,31 @@ def train_receptance(train: Train, angular_frequency: ArrayLike) -> NDArray[np.c
         If a frequency is 0 or not finite.
     """
     omega = np.asarray(angular_frequency, dtype=np.float64)
-    blocks = {vehicle: wheelset_receptance(vehicle, omega) for vehicle in set(train.vehicles)}
+    receptances = {block: wheelset_receptance(block, omega) for block in set(train.blocks)}
     receptance = np.zeros((*omega.shape, train.axle_count, train.axle_count), dtype=np.complex128)
-    for index, vehicle in enumerate(reversed(train.vehicles)):
-        axles = slice(AXLES * index, AXLES * (index + 1))
-        receptance[..., axles, axles] = blocks[vehicle]
+    first = 0
+    for block in reversed(train.blocks):
+        axles = slice(first, first + block.axle_count)
+        receptance[..., axles, axles] = receptances[block]
+        first += block.axle_count
     return receptance
+
+
+def _free(angular_frequency: ArrayLike) -> NDArray[np.float64]:
+    """Return frequencies at which a free vehicle has receptances.
+
+    Raises
+    ------
+    InputError
+        If one is 0 or not finite.
+    """
+    omega = np.asarray(angular_frequency, dtype=np.float64)
+    if not np.all(np.isfinite(omega)) or np.any(omega == 0.0):
+        refused = omega[~np.isfinite(omega) | (omega == 0.0)].flat[0]
+        raise InputError(
+            f"angular_frequency = {refused:g} rad/s: must be finite and not 0, where a free vehicle has none"
+        )
+    return omega
 
 
 def _in_series(spring: NDArray[Any], beyond: NDArray[Any]) -> NDArray[np.complex128]:

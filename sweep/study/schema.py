@@ -49,13 +49,14 @@ class Section(Parameters):
             if isinstance(field.annotation, type) and issubclass(field.annotation, Parameters)
         }
         tables = {f"[{name}]": keys(section) for name, section in sections.items()}
-        for kind, model in library.MODELS.items():
-            for key, place in model.places().items():
-                tables.setdefault(f"{place} in [{kind}.<name>]", []).append(key)
-            tables.setdefault(f"[{kind}.<name>]", []).extend(keys(model))
+        for kind, models in library.MODELS.items():
+            for model in models:
+                for key, place in model.places().items():
+                    tables.setdefault(f"{place} in [{kind}.<name>]", []).append(key)
+                tables.setdefault(f"[{kind}.<name>]", []).extend(keys(model))
         places: dict[str, str] = {}
         for place, known in tables.items():
-            for key in known:
+            for key in dict.fromkeys(known):
                 places[key] = f"{places[key]} or {place}" if key in places else place
         return places
 

@@ -14,7 +14,6 @@ import numpy as np
 from railvib.numerics.intrinsics import row_subtraction
 from railvib.numerics.jit import fused_kernel
 from railvib.numerics.vector_math import reciprocal
-from railvib.parameters.vehicle import AXLES, SHAPES
 
 _LANES = 32
 """Frequencies side by side: the matrices of a train of sixteen axles then stay near the core."""
@@ -22,7 +21,7 @@ _subtract_row = row_subtraction(_LANES)
 
 
 @fused_kernel
-def solve(receptance, column, flexibility, kind, contact, unevenness, forces):
+def solve(receptance, column, flexibility, first_term, term, share, contact, unevenness, forces):
     """Write the forces, and return by how much numbers grew in the elimination.
 
     Parameters
@@ -32,10 +31,12 @@ def solve(receptance, column, flexibility, kind, contact, unevenness, forces):
     column
         Which of the distances lies between every two axles, (axles, axles).
     flexibility
-        Flexibilities of the chains of every kind of vehicle, complex (kinds, chains, n), m/N, as in
-        `railvib.parameters.vehicle.chain_flexibilities`.
-    kind
-        Kind of every vehicle, ascending in x, (vehicles,).
+        Flexibilities that the receptances of all vehicles are made of, complex (terms, n), m/N.
+    first_term
+        Where the terms between every two axles begin in `term` and `share`, row by row, and where the last
+        ones end, (axles² + 1,).
+    term, share
+        Which of the flexibilities, and how much of it.
     contact
         1/k_H of every axle, (axles,), m/N.
     unevenness
@@ -56,12 +57,12 @@ def solve(receptance, column, flexibility, kind, contact, unevenness, forces):
     real = np.empty((axles, width, _LANES))
     imag = np.empty((axles, width, _LANES))
     rail = np.empty((2, receptance.shape[1], _LANES))
-    chains = np.empty((2, *flexibility.shape[:2], _LANES))
+    terms = np.empty((2, flexibility.shape[0], _LANES))
     largest = np.empty((3, _LANES))
     for first in range(0, n, _LANES):
         count = min(_LANES, n - first)
-        _gather(first, count, receptance, flexibility, unevenness, rail, chains, real, imag)
-        _assemble(rail, column, chains, kind, contact, real, imag)
+        _gather(first, count, receptance, flexibility, unevenness, rail, terms, real, imag)
+        _assemble(rail, column, terms, first_term, term, share, contact, real, imag)
         _write_largest(axles, real, imag, largest[0])
         _eliminate(axles, width, real, imag, largest)
         for w in range(count):
@@ -75,7 +76,7 @@ def solve(receptance, column, flexibility, kind, contact, unevenness, forces):
 
 
 @fused_kernel
-def _gather(first, count, receptance, flexibility, unevenness, rail, chains, real, imag):
+def _gather(first, count, receptance, flexibility, unevenness, rail, terms, real, imag):
     """Write receptances, flexibilities and unevenness of some frequencies side by side."""
     axles = real.shape[0]
     for w in range(_LANES):
@@ -83,10 +84,9 @@ def _gather(first, count, receptance, flexibility, unevenness, rail, chains, rea
         for d in range(receptance.shape[1]):
             rail[0, d, w] = receptance[row, d].real
             rail[1, d, w] = receptance[row, d].imag
-        for vehicle in range(flexibility.shape[0]):
-            for chain in range(flexibility.shape[1]):
-                chains[0, vehicle, chain, w] = flexibility[vehicle, chain, row].real
-                chains[1, vehicle, chain, w] = flexibility[vehicle, chain, row].imag
+        for t in range(flexibility.shape[0]):
+            terms[0, t, w] = flexibility[t, row].real
+            terms[1, t, w] = flexibility[t, row].imag
         for i in range(axles):
             for j in range(unevenness.shape[2]):
                 real[i, axles + j, w] = unevenness[row, i, j].real
@@ -94,7 +94,7 @@ def _gather(first, count, receptance, flexibility, unevenness, rail, chains, rea
 
 
 @fused_kernel
-def _assemble(rail, column, chains, kind, contact, real, imag):
+def _assemble(rail, column, terms, first_term, term, share, contact, real, imag):
     """Write the matrices side by side."""
     axles = column.shape[0]
     for i in range(axles):
@@ -104,13 +104,13 @@ def _assemble(rail, column, chains, kind, contact, real, imag):
             for w in range(_LANES):
                 real[i, j, w] = rail[0, d, w] + stiff
                 imag[i, j, w] = rail[1, d, w]
-            if i // AXLES == j // AXLES:
-                vehicle = kind[i // AXLES]
-                for chain in range(chains.shape[2]):
-                    share = SHAPES[chain, i % AXLES, j % AXLES]
-                    for w in range(_LANES):
-                        real[i, j, w] += share * chains[0, vehicle, chain, w]
-                        imag[i, j, w] += share * chains[1, vehicle, chain, w]
+            pair = i * axles + j
+            for place in range(first_term[pair], first_term[pair + 1]):
+                t = term[place]
+                part = share[place]
+                for w in range(_LANES):
+                    real[i, j, w] += part * terms[0, t, w]
+                    imag[i, j, w] += part * terms[1, t, w]
 
 
 @fused_kernel

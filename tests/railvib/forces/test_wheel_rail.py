@@ -5,6 +5,7 @@ receptance counts.
 import numpy as np
 import pytest
 
+from railvib import library
 from railvib.forces.receptance import Receptances
 from railvib.forces.wheel_rail import axle_distances, axle_forces, axle_numbers, axle_phases, force_matrices
 from railvib.parameters.vehicle import Train, train_receptance
@@ -178,3 +179,17 @@ def test_receptances_of_other_distances_are_not_mixed_up(train):
         compliance + train_receptance(train, 2.0 * np.pi * f)[0] + np.diag(1.0 / train.contact_stiffness)
     )
     np.testing.assert_allclose(force_matrices(train, rail, f)[0], -np.linalg.inv(compliance), rtol=1e-8)
+
+
+def test_any_vehicles_against_lapack():
+    """A locomotive of ten degrees of freedom, wagons by parts, and cars on shared bogies, in one train."""
+    names = ["chinese-star", "freight-y25-empty", "two-axle-wagon", "freight-y25-empty"]
+    names += ["tram-front", "tram-middle", "tram-rear"]
+    train = Train(vehicles=[library.load("vehicle", name) for name in names])
+    rail = Spring(train, 4e7, 9.0)
+    f = np.geomspace(0.05, 300.0, 41)
+    matrices = force_matrices(train, rail, f)
+    assert matrices.shape == (41, 22, 22)
+    expected = -np.linalg.inv(compliances(train, rail, f))
+    size = np.abs(expected).max(axis=(1, 2), keepdims=True)
+    np.testing.assert_allclose(matrices / size, expected / size, rtol=0, atol=1e-11)

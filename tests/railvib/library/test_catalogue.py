@@ -1,5 +1,8 @@
 """The library: every entry loads and names its sources."""
 
+import csv
+
+import numpy as np
 import pytest
 
 from railvib import library
@@ -7,8 +10,9 @@ from railvib.errors import InputError
 from railvib.parameters.ground import Ground
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
+from railvib.parameters.units import GRAVITY
 from railvib.parameters.validation import Parameters
-from railvib.parameters.vehicle import Train
+from railvib.parameters.vehicle import Train, Vehicle
 
 EVERYTHING = [(kind, name) for kind in library.KINDS for name in library.names(kind)]
 
@@ -91,3 +95,59 @@ def test_names_of_unevenness_say_form_and_class():
 def test_unknown_names(kind, name, message):
     with pytest.raises(InputError, match=message):
         library.load(kind, name)
+
+
+# Half a vehicle (one rail), SI units; distances are half of those between bogies and between axles. Source:
+# default trains of STEM 1.4.0, its documentation of loads, which names "Ricardo 2025".
+STEM = """
+name,cart_mass,bogie_mass,wheel_mass,cart_inertia,bogie_inertia,secondary_stiffness,secondary_damping,primary_stiffness,primary_damping,half_bogie_distance,half_wheel_distance,length
+locomotive,27500,3000,2250,485000.0,3900,800000.0,45000.0,2000000.0,33000.0,10.4,1.3,26.8
+passenger-heavy,19000,1550,950,1150000.0,1200,350000.0,32000.0,1200000.0,2500.0,10,1.25,27
+passenger-light,14500,1300,850,900000.0,1150,400000.0,22000.0,740000.0,6400.0,9.5,1.28,25
+freight-loaded,40500,900,700,365000.0,850,6000000.0,65000.0,2600000.0,15000.0,7,0.9,17
+freight-unloaded,6500,900,700,115000.0,850,6000000.0,65000.0,500000.0,5700.0,7,0.9,17
+"""
+
+
+@pytest.mark.parametrize("row", list(csv.DictReader(STEM.split())), ids=lambda row: row["name"])
+def test_trains_of_stem_are_twice_their_half_models(row):
+    vehicle = library.load("vehicle", f"stem-{row['name']}")
+    half = {key: float(value) for key, value in row.items() if key != "name"}
+    assert isinstance(vehicle, Vehicle)
+    assert (vehicle.car_mass, vehicle.car_pitch_inertia) == (2 * half["cart_mass"], 2 * half["cart_inertia"])
+    assert (vehicle.bogie_mass, vehicle.bogie_pitch_inertia) == (
+        2 * half["bogie_mass"],
+        2 * half["bogie_inertia"],
+    )
+    assert vehicle.wheelset_mass == 2 * half["wheel_mass"]
+    for stage in ("primary", "secondary"):
+        assert getattr(vehicle, f"{stage}_stiffness") == 2 * half[f"{stage}_stiffness"]
+        assert getattr(vehicle, f"{stage}_damping") == 2 * half[f"{stage}_damping"]
+    assert (vehicle.bogie_spacing, vehicle.axle_spacing, vehicle.length) == (
+        2 * half["half_bogie_distance"],
+        2 * half["half_wheel_distance"],
+        half["length"],
+    )
+    assert f"stem-{row['name']}" in library.names("train")
+
+
+@pytest.mark.parametrize("name", library.names("train"))
+def test_axles_of_every_train_carry_its_weight(name):
+    """To 0.2 %: where axle loads are given, they are rounded."""
+    train = library.load("train", name)
+    weight = GRAVITY * sum(vehicle.total_mass for vehicle in train.vehicles)
+    assert train.axle_loads.sum() == pytest.approx(weight, rel=2e-3)
+    assert np.all((train.axle_loads > 40e3) & (train.axle_loads < 230e3))
+
+
+def test_half_a_eurostar():
+    train = library.load("train", "eurostar-half")
+    assert train.length == pytest.approx(196.86)
+    assert train.axle_count == 24
+    power_car, trailers = train.blocks
+    assert power_car.axle_count == 4
+    assert trailers.axle_count == 20
+    # Bogies of neighbouring trailers, and of the power car and the first trailer.
+    behind = train.axle_positions[-1] - train.axle_positions[::-1]
+    np.testing.assert_allclose(behind[[2, 4, 6, 8, 22]], [14.0, 20.275, 38.975, 57.675, 188.575])
+    assert train.axle_loads.max() < 17.1e3 * GRAVITY

@@ -2,11 +2,13 @@
 
 import tomllib
 
+import numpy as np
 import pytest
 
 from railvib import library
 from railvib.errors import InputError, PlausibilityWarning
-from railvib.parameters.vehicle import Vehicle
+from railvib.parameters.composite_vehicle import CompositeVehicle
+from railvib.parameters.vehicle import Train, Vehicle
 
 STUDY = tomllib.loads("""
 [vehicle.short]
@@ -114,3 +116,102 @@ def test_a_vehicle_whose_load_does_not_fit_is_named_once():
     with pytest.warns(PlausibilityWarning, match=r"^vehicle\.heavy\.axle_load_n = 300000 N") as caught:
         library.build("train", {"vehicle": "heavy", "number": 9}, where="train.x", vehicles=heavy)
     assert len(caught) == 1
+
+
+PARTS = tomllib.loads("""
+[vehicle.wagon]
+length_m = 14
+contact_stiffness_per_wheel_n_m = 1.4e9
+car = { mass_kg = 36000, pitch_inertia_kg_m2 = 5e5, position_m = 7 }
+[[vehicle.wagon.axles]]
+position_m = 2.5
+wheelset_mass_kg = 1400
+primary_stiffness_n_m = 3.2e6
+primary_damping_n_s_m = 4e4
+[[vehicle.wagon.axles]]
+position_m = 11.5
+wheelset_mass_kg = 1400
+primary_stiffness_n_m = 3.2e6
+primary_damping_n_s_m = 4e4
+[vehicle.behind]
+length_m = 10
+contact_stiffness_per_wheel_n_m = 1.4e9
+car = { mass_kg = 9000, pitch_inertia_kg_m2 = 5e4, position_m = 5 }
+on_vehicle_ahead = { position_m = -0.5, on = "car" }
+[[vehicle.behind.axles]]
+position_m = 9
+wheelset_mass_kg = 1400
+primary_stiffness_n_m = 3.2e6
+primary_damping_n_s_m = 4e4
+""")["vehicle"]
+
+
+def test_a_vehicle_by_parts_in_a_study():
+    wagon = library.build("vehicle", PARTS["wagon"], where="vehicle.wagon")
+    assert isinstance(wagon, CompositeVehicle)
+    train = library.build("train", ["regina", {"vehicle": "wagon", "number": 2}, "behind"], vehicles=PARTS)
+    assert isinstance(train, Train)
+    assert train.axle_count == 4 + 2 * 2 + 1
+    np.testing.assert_array_equal(train.axle_vehicles[::-1], [1, 1, 1, 1, 2, 2, 3, 3, 4])
+    assert [block.axle_count for block in train.blocks] == [4, 2, 3]
+    again = library.resolve_train(train.model_dump(by_alias=True, exclude_none=True))
+    assert again == train
+
+
+def heavier(**loads):
+    axles = [{**axle, **loads} for axle in PARTS["wagon"]["axles"]]
+    return {**PARTS, "wagon": {**PARTS["wagon"], "axles": axles}}
+
+
+def test_axle_loads_of_parts_that_do_not_fit_their_masses():
+    with pytest.warns(
+        PlausibilityWarning, match=r"^train\[1\]: axle_load_n of 2 axles are 3e\+04 N"
+    ) as caught:
+        library.build("train", ["regina", "wagon"], vehicles=heavier(axle_load_n=15e3))
+    assert len(caught) == 1
+    library.build("train", ["regina", "wagon"], vehicles=heavier(axle_load_n=190e3))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"axles": []}, r"^vehicle\.x\.bogies: is missing; a car stands on bogies, axles or"),
+        (
+            {"car": {"mass_kg": -1}},
+            r"^vehicle\.x\.car\.mass_kg = -1 kg: should be greater than or equal to 100 kg",
+        ),
+        ({"car": {"mass_t": 36}}, r"^vehicle\.x\.car\.mass_t: unknown key; give mass_kg = 36000 kg"),
+        ({"boggies": []}, r"^vehicle\.x\.boggies: unknown key; did you mean bogies\?"),
+        ({"axle_load_n": 1e5}, r"^vehicle\.x\.axle_load_n: unknown key; it is a key of axles"),
+    ],
+)
+def test_refused_parts(change, message):
+    with pytest.raises(InputError, match=message):
+        library.build("vehicle", {**PARTS["wagon"], **change}, where="vehicle.x")
+
+
+@pytest.mark.parametrize(
+    ("vehicles", "message"),
+    [
+        (["behind"], r"^train\.x\[0\]\.on_vehicle_ahead: needs a vehicle ahead that is given by its parts"),
+        (["regina", "behind"], r"^train\.x\[1\]\.on_vehicle_ahead: needs a vehicle ahead"),
+        (
+            ["wagon", {**PARTS["behind"], "on_vehicle_ahead": {"position_m": 0}}],
+            r'^train\.x\[1\]\.on_vehicle_ahead\.on = "bogie": the vehicle ahead has none',
+        ),
+        ([{**PARTS["wagon"], "axles": PARTS["wagon"]["axles"][:1]}], r"^train\.x\[0\]: does not stand"),
+        (
+            [
+                "wagon",
+                {
+                    **PARTS["wagon"],
+                    "axles": [{**PARTS["wagon"]["axles"][0], "position_m": -3}, PARTS["wagon"]["axles"][1]],
+                },
+            ],
+            r"^train\.x\[1\]: its leading axle lies ahead of an axle of the vehicle ahead",
+        ),
+    ],
+)
+def test_refused_trains_of_parts(vehicles, message):
+    with pytest.raises(InputError, match=message):
+        library.build("train", vehicles, where="train.x", vehicles=PARTS)
