@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import null_space
 
 from railvib.errors import InputError
 from railvib.numerics import threads
@@ -203,6 +204,29 @@ class Rake:
         receptance = np.linalg.solve(on_wheelsets, suspended) / -(flat**2)[:, None, None]
         row, column = np.triu_indices(self.axle_count)
         return np.ascontiguousarray(receptance[:, row, column].T).reshape(row.size, *omega.shape)
+
+    @cached_property
+    def suspension_modes(self) -> NDArray[np.complex128]:
+        """Eigenvalues of the bodies on wheelsets that are held, one of each oscillating pair, (n,).
+
+        σ + iω with ω > 0: the mode e^{(σ + iω)t} has the frequency ω in rad/s, and σ ≤ 0. Overdamped modes,
+        which do not oscillate, are left out. On a track much stiffer than the suspension the wheel–rail
+        forces peak near these frequencies.
+        """
+        matrices = self._matrices
+        rigid = np.isinf(matrices.spring[0])
+        motions = np.eye(matrices.inertia.size)
+        if rigid.any():
+            motions = null_space(matrices.joint[:, rigid].T)
+        across = motions.T @ np.hstack([matrices.axle, matrices.joint[:, ~rigid]])
+        springs = np.hstack([matrices.primary, matrices.spring[:, ~rigid]])
+        inertia = motions.T @ (matrices.inertia[:, None] * motions)
+        stiffness, damping = (across * values @ across.T for values in springs)
+        count = len(inertia)
+        state = np.eye(2 * count, k=count)
+        state[count:] = -np.linalg.solve(inertia, np.hstack([stiffness, damping]))
+        eigenvalue = np.linalg.eigvals(state)
+        return np.asarray(eigenvalue[eigenvalue.imag > 0.0])
 
     def check(self, where: Sequence[str]) -> None:
         """Refuse a rake that does not stand, or whose axles share a place.

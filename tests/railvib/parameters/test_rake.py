@@ -303,6 +303,23 @@ def test_one_stage_is_a_very_stiff_second_stage():
     assert error[0] / error[1] == pytest.approx(10.0, rel=0.02)
 
 
+@pytest.mark.parametrize("rake", [by_parts(regina()), *RAKES.values()], ids=["regina", *RAKES])
+def test_suspension_modes_are_eigenvalues_on_held_wheelsets(rake):
+    mass, stiffness, damping, wheelsets = stiffness_model(rake)
+    held = scipy.linalg.null_space(wheelsets)
+    mass, stiffness, damping = (held.T @ matrix @ held for matrix in (mass, stiffness, damping))
+    modes = rake.suspension_modes
+    assert np.all(modes.real <= 0.0)
+    for mode in modes:
+        dynamic = mode**2 * mass + mode * damping + stiffness
+        scale = np.sqrt(np.diag(np.abs(mode) ** 2 * mass + stiffness))
+        values = scipy.linalg.svdvals(dynamic / scale[:, None] / scale)
+        assert values[-1] < 1e-9 * values[0]
+    undamped = np.sqrt(scipy.linalg.eigvalsh(stiffness, mass))
+    light = [np.abs(mode) for mode in modes if abs(mode.real) < 0.1 * mode.imag]
+    assert all(np.abs(undamped / mode - 1.0).min() < 0.05 for mode in light)
+
+
 @pytest.mark.parametrize("rake", RAKES.values(), ids=RAKES)
 def test_axle_loads_are_the_weight(rake):
     loads = rake.weights_on_axles
