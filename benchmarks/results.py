@@ -17,12 +17,12 @@ from typing import Any
 import click
 import duckdb
 
+from benchmarks.browser import start_browser
+from benchmarks.runs.invented import Study
 from queries.answers import Question, questions
 from queries.database import DATABASE, connect, ingest
 from queries.figures import WORKERS, FigureProcesses
 from queries.report import write_report
-from tests.queries.browser import started
-from tests.queries.run_directory import Study
 
 RECEIVERS = (
     *((f"axle-{number}", math.nan) for number in range(1, 17)),
@@ -75,7 +75,7 @@ def _answer(connection: duckdb.DuckDBPyConnection, question: Question) -> None:
 
 def time_page(path: Path, folder: Path) -> None:
     """Print the median time from opening the report to all figures drawn, in a browser."""
-    with started(folder) as browser:
+    with start_browser(folder) as browser:
         seconds = []
         for _ in range(OPENINGS):
             page = browser.new_page(viewport={"width": 1280, "height": 900})
@@ -99,7 +99,7 @@ def main(cases: int, lines: int, folder: Path | None) -> None:
     with tempfile.TemporaryDirectory(dir=folder) as temporary:
         directory = Path(temporary) / "run"
         study = Study(directory, RECEIVERS)
-        time_step("invented records and store", lambda: study.write(soils, speeds, lines=lines))
+        time_step("invented records and store", lambda: study.write(soils=soils, speeds=speeds, lines=lines))
         time_ingest(directory)
         time_questions(directory)
         path = directory / "report.html"

@@ -59,6 +59,12 @@ def test_no_package_imports_what_stands_above_it(package):
     ] == []
 
 
+def test_nobody_imports_tests():
+    assert [
+        f"{path}: {name}" for path, name in package_imports("benchmarks") if name.partition(".")[0] == "tests"
+    ] == []
+
+
 def test_rooms_of_railvib_import_from_the_layers_above_them():
     layers = {room: number for number, rooms in enumerate(LAYERS) for room in rooms}
     program = {"__init__", "__main__", "cli"}

@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
+from benchmarks.runs.invented import Study
 from queries import figures
 from queries.database import connect, ingest, schema
-from tests.queries.run_directory import Study
 
 
 @pytest.fixture(scope="session")

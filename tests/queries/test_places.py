@@ -10,10 +10,10 @@ import duckdb
 import pytest
 from click.testing import CliRunner
 
+from benchmarks.runs.invented import Study
 from queries import cli
 from queries.database import DATABASE, connect, ingest
 from queries.database.replacement import row_counts
-from tests.queries.run_directory import Study
 
 LATER = "2026-03-02T08:00:00+00:00"
 UNTEXT = os.fsdecode(b"not \xff text")

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from benchmarks.runs.invented import BANDS, RECEIVERS, Study
 from queries import cli
 from queries.answers.comparison import Pair
 from queries.answers.errors import error_table, errors
 from queries.answers.summary import extrapolation_notes, missing_notes, summary, verdicts
 from queries.answers.table import band, decibels, number
 from queries.database import DATABASE, ResultsError, connect, ingest
-from tests.queries.run_directory import BANDS, RECEIVERS, Study
 
 PAIR = Pair.of_approaches("moving-roughness", "full")
 

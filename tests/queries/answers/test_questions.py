@@ -8,10 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 import queries
+from benchmarks.runs.invented import BANDS, mean_square
 from queries import cli
 from queries.answers.questions import questions
 from queries.database import DATABASE, ingest
-from tests.queries.run_directory import BANDS, mean_square
 
 SHIPPED = {
     "axle-correlation-by-band",

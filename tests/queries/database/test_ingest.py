@@ -10,10 +10,10 @@ import duckdb
 import numpy as np
 import pytest
 
+from benchmarks.runs.invented import BANDS, LAYER, Receptance
 from queries.database import DATABASE, ResultsError, connect, ingest, schema
 from queries.database.arrays import wanted
 from sweep.storage import group_writer, records, store
-from tests.queries.run_directory import BANDS, LAYER, Receptance
 
 VIEWS = ("psd", "levels", "accuracy", "costs", "missing")
 

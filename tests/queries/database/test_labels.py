@@ -2,12 +2,12 @@
 
 import pytest
 
+from benchmarks.runs.invented import BANDS, Study
 from queries.answers import error_table, named_cases, pairs
 from queries.database import connect, ingest
 from queries.figures import catalogue
 from queries.report.data import data
 from sweep.storage import records
-from tests.queries.run_directory import BANDS, Study
 
 LATER = "2026-03-02T08:00:00+00:00"
 NAMES = {

@@ -185,7 +185,7 @@ def test_the_other_major_duckdb_passes_the_tests_of_the_database_and_reads_its_f
     written = tmp_path / "written" / "run"
     write = (
         "import sys; from pathlib import Path; from queries.database.ingest import ingest; "
-        "from tests.queries.run_directory import Study; ingest(Study(Path(sys.argv[1])).write(lines=10))"
+        "from benchmarks.runs.invented import Study; ingest(Study(Path(sys.argv[1])).write(lines=10))"
     )
     subprocess.run([sys.executable, "-c", write, str(written)], env=environment, cwd=ROOT, check=True)
     with connect(written) as connection:

@@ -5,11 +5,11 @@ import shutil
 import pytest
 from click.testing import CliRunner
 
+from benchmarks.runs.invented import Study
 from queries import cli
 from queries.database import DATABASE, ResultsError, connect, ingest
 from sweep.storage import records
 from tests.queries.database.test_ingest import rows
-from tests.queries.run_directory import Study
 
 LATER = "2026-03-02T08:00:00+00:00"
 

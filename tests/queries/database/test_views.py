@@ -5,8 +5,8 @@ import math
 import duckdb
 import pytest
 
+from benchmarks.runs.invented import BANDS, COSTS
 from queries.database import DATABASE, connect, ingest
-from tests.queries.run_directory import BANDS, COSTS
 
 
 def test_levels_are_decibels_re_the_standard_references(results):

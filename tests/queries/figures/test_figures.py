@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from benchmarks.runs.invented import BANDS
 from queries import cli
 from queries.database import DATABASE, connect, ingest
 from queries.figures import FigureProcesses, appearance, catalogue, error_plots, level_plots, track_plots
 from queries.figures.drawing import sample
 from queries.figures.write import write
-from tests.queries.run_directory import BANDS
 
 CASES = {"horstwalde": "case-0-150", "greby": "case-1-150"}
 """Ids of the cases of the plain study by soil."""

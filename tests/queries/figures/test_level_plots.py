@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.runs.invented import BANDS, RECEIVERS, Study
 from queries.database import connect, ingest
 from queries.figures import catalogue, level_plots
-from tests.queries.run_directory import BANDS, RECEIVERS, Study
 
 SEVEN = (8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)
 SOILS = ("horstwalde", "greby clay over moraine, wet", "a soil with a rather long name", "soft")

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from benchmarks.runs.invented import VEHICLE
 from queries.database import connect, ingest
 from queries.figures import catalogue
 from queries.report.data import data
-from tests.queries.run_directory import VEHICLE
 
 SPEED = 150 / 3.6
 LOCOMOTIVE, WAGON = {**VEHICLE, "length_m": 18.9}, {**VEHICLE, "length_m": 14.04}

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from benchmarks.browser import start_browser
+from benchmarks.runs.invented import Study
 from queries.database import DATABASE, connect, ingest
 from queries.report import write_report
-from tests.queries.browser import started
-from tests.queries.run_directory import Study
 
 pytestmark = pytest.mark.privileged
 
@@ -20,7 +20,7 @@ NAME = '"><img src=x onerror="alert(1)"><script>alert(2)</script>'
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
-    with started(tmp_path_factory.mktemp("playwright")) as browser:
+    with start_browser(tmp_path_factory.mktemp("playwright")) as browser:
         yield browser
 
 

@@ -1,10 +1,13 @@
-"""A real headless Chromium for tests of the report, installed when it is missing."""
+"""A real headless Chromium that opens the report, installed when it is missing."""
 
 import importlib
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 PLAYWRIGHT = "playwright==1.65.2"
 FLAGS = (
@@ -17,19 +20,19 @@ FLAGS = (
 )
 
 
-def chromium():
+def chromium() -> str:
     """Return the path of Chromium, after installing the system's package if it is not there."""
-    found = shutil.which("chromium")
-    if found is None:
+    path = shutil.which("chromium")
+    if path is None:
         subprocess.run(["apt-get", "update", "-qq"], check=True, capture_output=True)
         subprocess.run(["apt-get", "install", "-y", "-qq", "chromium"], check=True, capture_output=True)
-        found = shutil.which("chromium")
-    assert found is not None
-    return found
+        path = shutil.which("chromium")
+    assert path is not None
+    return path
 
 
 @contextmanager
-def started(folder):
+def start_browser(folder: Path) -> Iterator[Any]:
     """Yield a browser, driven by a library that is installed into a folder for the occasion."""
     executable = chromium()
     subprocess.run(

@@ -1,10 +1,14 @@
-"""A run directory as the engine leaves it, with numbers whose levels and errors are known by hand."""
+"""A run directory as the engine leaves it, with invented numbers whose levels and errors are known by hand.
+
+The tests of `queries` read it as well.
+"""
 
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -58,10 +62,10 @@ TRACK = {
 
 
 def _array(*dims: str, unit: str = "1") -> Any:
-    return dataclasses.field(metadata={"dims": dims, "unit": unit, "description": "of a test"})
+    return dataclasses.field(metadata={"dims": dims, "unit": unit, "description": "invented"})
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Spectra:
     """The arrays of a spectra unit as the contract has them."""
 
@@ -85,7 +89,7 @@ class Receptance:
     distance: NDArray[Any] = _array("distance", unit="m")
     receptance: NDArray[Any] = _array("frequency", "distance", unit="m/N")
     inside: NDArray[Any] | None = dataclasses.field(
-        default=None, metadata={"dims": ("frequency",), "unit": "", "description": "of a test"}
+        default=None, metadata={"dims": ("frequency",), "unit": "", "description": "invented"}
     )
 
 
@@ -99,123 +103,90 @@ def mean_square(soil: int, error_db: float, receiver: int, force: bool = False) 
     return np.asarray(unit * 10.0 ** ((60.0 + 10.0 * soil - 5.0 * receiver - 0.1 * BANDS + error_db) / 10.0))
 
 
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """What one invented run computes, and what goes wrong in it.
+
+    Attributes
+    ----------
+    soils, speeds, approaches, vehicles
+        Axes of the study, speeds in km/h, and the vehicles of its train.
+    lost
+        Approaches whose spectra fail.
+    lines, narrow_band
+        Lines of a spectrum, and which of them the study wants in the database.
+    aliases
+        Second names of things, by the first ones.
+    zero_band
+        Whether the lowest band of all spectra is zero.
+    """
+
+    soils: tuple[str, ...] = ("horstwalde", "greby")
+    speeds: tuple[float, ...] = (150.0,)
+    approaches: tuple[str, ...] = APPROACHES
+    run_id: str = "run-1"
+    started: str = "2026-03-01T08:00:00+00:00"
+    lost: tuple[str, ...] = ()
+    lines: int = 200
+    narrow_band: Any = "all"
+    host_class: str = "x86_64-2"
+    name: str = "paper"
+    zero_band: bool = False
+    title: str | None = None
+    aliases: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    vehicles: Sequence[Mapping[str, float]] = (VEHICLE,) * 4
+
+    def names(self, name: str) -> list[str]:
+        """Return the names of a thing."""
+        return [name, *([self.aliases[name]] if name in self.aliases else [])]
+
+
 class Study:
-    """Builds a run directory; every argument is an axis of the study or a way in which it went wrong."""
+    """Writes runs of one study into a directory."""
 
     def __init__(self, directory: Path, receivers: Sequence[tuple[str, float]] = RECEIVERS) -> None:
         self.directory = directory
         self.receivers = receivers
 
-    def write(
-        self,
-        soils: tuple[str, ...] = ("horstwalde", "greby"),
-        speeds: tuple[float, ...] = (150.0,),
-        approaches: tuple[str, ...] = APPROACHES,
-        run_id: str = "run-1",
-        started: str = "2026-03-01T08:00:00+00:00",
-        lost: tuple[str, ...] = (),
-        lines: int = 200,
-        narrow_band: Any = "all",
-        host_class: str = "x86_64-2",
-        name: str = "paper",
-        zero_band: bool = False,
-        title: str | None = None,
-        aliases: Mapping[str, str] | None = None,
-        vehicles: Sequence[Mapping[str, float]] = (VEHICLE,) * 4,
-    ) -> Path:
-        """Write one run; `lost` names the approaches whose spectra fail, `aliases` second names of things."""
-        cases = []
-        for number, soil in enumerate(soils):
-            for speed in speeds:
-                case_id = f"case-{number}-{speed:g}"
-                shared = [{"unit_id": f"{kind}-{number}", "scope": "ground"} for kind in ("fit", "transfer")]
-                for kind in ("fit", "transfer"):
-                    self._commit(
-                        kind,
-                        f"{kind}-{number}",
-                        {},
-                        Receptance(*_receptance(number, 0.0, 4)),
-                        run_id,
-                        host_class,
-                    )
-                units: dict[str, Any] = {}
-                for approach in approaches:
-                    own = speed if approach == "full" else 0.0
-                    receptance = f"receptance-{number}-{own:g}"
-                    self._commit(
-                        "receptance",
-                        receptance,
-                        {"speed": own / 3.6},
-                        Receptance(*_receptance(number, own, 100)),
-                        run_id,
-                        host_class,
-                    )
-                    spectra = f"spectra-{number}-{speed:g}-{approach}"
-                    if approach in lost:
-                        records.fail(self.directory, self._failure(spectra, run_id))
-                    else:
-                        result = self._spectra(number, approach, lines, zero_band)
-                        self._commit("spectra", spectra, {}, result, run_id, host_class, COSTS[approach])
-                    units[approach] = [
-                        *shared,
-                        {"unit_id": receptance, "scope": "speed" if own else "ground"},
-                        {"unit_id": spectra, "scope": "case"},
-                    ]
-                cases.append(
-                    {
-                        "case_id": case_id,
-                        "soil": soil,
-                        "track": "ballasted-paper",
-                        "train": "grona-taget",
-                        "unevenness": "fra-hamid-yang-3",
-                        "speed_kmh": speed,
-                        "units": units,
-                    }
-                )
-                cases[-1]["labels"] = _labels(cases[-1], aliases or {})
-        wavelengths = 10.0 ** (np.arange(-4, 17) / 10.0)
-        records.Run.publish(
-            self.directory,
-            {
-                "schema": 1,
-                "run_id": run_id,
-                "study": {
-                    "study": {"name": name, **({"title": title} if title else {})},
-                    "output": {"narrow_band": narrow_band},
-                },
-                "study_name": name,
-                "versions": {"numpy": "2.4"},
-                "model_version": "1",
-                "host": "here",
-                "host_class": host_class,
-                "threads": 1,
-                "started": started,
-                "finished": started,
-                "exit_status": 1 if lost else 0,
-                "cases": cases,
-                "reference": "full",
-                "parameters": {
-                    kind: {
-                        label: parameters
-                        for name, parameters in named.items()
-                        for label in _names(name, aliases or {})
-                    }
-                    for kind, named in _parameters(soils, vehicles).items()
-                },
-                "axles": {name: _axles(vehicles) for name in _names("grona-taget", aliases or {})},
-                "unevenness_bands": {
-                    "fra-hamid-yang-3": [
-                        {
-                            "wavelength_m": float(w),
-                            "mean_square_m2": 1e-7 * float(w) ** 2,
-                            "extrapolated_share": float(w < 1.524),
-                        }
-                        for w in wavelengths
-                    ]
-                },
-            },
-        )
+    def write(self, **settings: Any) -> Path:
+        """Write one `Run` of these settings; return the directory."""
+        run = Run(**settings)
+        cases = [self._case(run, number, speed) for number in range(len(run.soils)) for speed in run.speeds]
+        records.Run.publish(self.directory, _manifest(run, cases))
         return self.directory
+
+    def _case(self, run: Run, soil: int, speed: float) -> dict[str, Any]:
+        """Write the units of a case, and return what the manifest holds of it."""
+        for stage in ("fit", "transfer"):
+            self._commit(run, stage, f"{stage}-{soil}", Receptance(*_receptance(soil, 0.0, 4)))
+        case = {
+            "case_id": f"case-{soil}-{speed:g}",
+            "soil": run.soils[soil],
+            "track": "ballasted-paper",
+            "train": "grona-taget",
+            "unevenness": "fra-hamid-yang-3",
+            "speed_kmh": speed,
+            "units": {approach: self._units(run, soil, speed, approach) for approach in run.approaches},
+        }
+        return {**case, "labels": _labels(run, case)}
+
+    def _units(self, run: Run, soil: int, speed: float, approach: str) -> list[dict[str, str]]:
+        """Write the units of one approach; return them with those that all approaches share."""
+        load_speed = speed if approach == "full" else 0.0
+        receptance = f"receptance-{soil}-{load_speed:g}"
+        result: Any = Receptance(*_receptance(soil, load_speed, 100))
+        self._commit(run, "receptance", receptance, result, {"speed": load_speed / 3.6})
+        spectra = f"spectra-{soil}-{speed:g}-{approach}"
+        if approach in run.lost:
+            records.fail(self.directory, _failure(spectra, run.run_id))
+        else:
+            result = self._spectra(soil, approach, run.lines, run.zero_band)
+            self._commit(run, "spectra", spectra, result, cost=COSTS[approach])
+        return [
+            *({"unit_id": f"{stage}-{soil}", "scope": "ground"} for stage in ("fit", "transfer")),
+            {"unit_id": receptance, "scope": "speed" if load_speed else "ground"},
+            {"unit_id": spectra, "scope": "case"},
+        ]
 
     def _spectra(self, soil: int, approach: str, lines: int, zero_band: bool) -> Spectra:
         frequency = np.linspace(0.9, 112.0, lines)
@@ -234,56 +205,56 @@ class Study:
             squares[:, 0] = 0.0
         ripple = 1.0 + 0.8 * np.sin(2 * np.pi * frequency / 1.57) * (approach == "full")
         psd = np.array([np.interp(frequency, BANDS, row) / frequency * ripple for row in squares])
+        receivers = [self.receivers[number] for _, number in series]
         return Spectra(
-            frequency,
-            BANDS,
-            psd,
-            squares,
-            np.linspace(0.0, 1.0, BANDS.size),
-            np.array([self.receivers[number][1] for _, number in series]),
-            tuple(contribution for contribution, _ in series),
-            tuple(
-                "wheel_rail_force" if _is_axle(self.receivers[number]) else "velocity" for _, number in series
+            frequency=frequency,
+            band=BANDS,
+            psd=psd,
+            mean_square=squares,
+            extrapolated_share=np.linspace(0.0, 1.0, BANDS.size),
+            offset_m=np.array([offset for _, offset in receivers]),
+            contribution=tuple(contribution for contribution, _ in series),
+            quantity=tuple(
+                "wheel_rail_force" if _is_axle(receiver) else "velocity" for receiver in receivers
             ),
-            tuple(self.receivers[number][0] for _, number in series),
-            ("line",) * len(series),
+            receiver=tuple(name for name, _ in receivers),
+            averaging=("line",) * len(series),
         )
 
     def _commit(
         self,
-        kind: str,
+        run: Run,
+        stage: str,
         unit_id: str,
-        inputs: dict[str, Any],
         result: Any,
-        run_id: str,
-        host_class: str,
+        inputs: Mapping[str, Any] = MappingProxyType({}),
         cost: float | None = None,
     ) -> None:
-        if records.find(self.directory, kind, unit_id):
+        if records.find(self.directory, stage, unit_id):
             return
-        written = group_writer.write(self.directory, f"{kind}/{unit_id}", result, {})
-        cost = COSTS[kind] if cost is None else cost
+        written = group_writer.write(self.directory, f"{stage}/{unit_id}", result, {})
+        cost = COSTS[stage] if cost is None else cost
         records.commit(
             self.directory,
             {
                 "schema": 1,
                 "unit_id": unit_id,
-                "kind": kind,
+                "kind": stage,
                 "model_version": "1",
-                "inputs": inputs,
+                "inputs": dict(inputs),
                 "group": written.group,
                 "arrays": written.arrays,
                 "status": "done",
                 "worker": "worker-0",
                 "host": "here",
-                "host_class": host_class,
+                "host_class": run.host_class,
                 "attempt": 1,
                 "started": "2026-03-01T08:00:00+00:00",
                 "finished": "2026-03-01T08:00:01+00:00",
-                "run_id": run_id,
+                "run_id": run.run_id,
                 "costs": [
                     {
-                        "stage": kind,
+                        "stage": stage,
                         "wall_s": 2 * cost,
                         "cpu_s": cost,
                         "evaluations": int(1000 * cost),
@@ -295,20 +266,59 @@ class Study:
             },
         )
 
-    def _failure(self, unit_id: str, run_id: str) -> dict[str, Any]:
-        return {
-            "schema": 1,
-            "unit_id": unit_id,
-            "kind": "spectra",
-            "run_id": run_id,
-            "attempt": 2,
-            "worker": "worker-0",
-            "host": "here",
-            "status": "failed",
-            "traceback": "Traceback (most recent call last):\n  ...\nArithmeticError: no <b>solution</b>\n",
-            "started": "2026-03-01T08:00:00+00:00",
-            "finished": "2026-03-01T08:00:01+00:00",
-        }
+
+def _failure(unit_id: str, run_id: str) -> dict[str, Any]:
+    return {
+        "schema": 1,
+        "unit_id": unit_id,
+        "kind": "spectra",
+        "run_id": run_id,
+        "attempt": 2,
+        "worker": "worker-0",
+        "host": "here",
+        "status": "failed",
+        "traceback": "Traceback (most recent call last):\n  ...\nArithmeticError: no <b>solution</b>\n",
+        "started": "2026-03-01T08:00:00+00:00",
+        "finished": "2026-03-01T08:00:01+00:00",
+    }
+
+
+def _manifest(run: Run, cases: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    wavelengths = 10.0 ** (np.arange(-4, 17) / 10.0)
+    return {
+        "schema": 1,
+        "run_id": run.run_id,
+        "study": {
+            "study": {"name": run.name, **({"title": run.title} if run.title else {})},
+            "output": {"narrow_band": run.narrow_band},
+        },
+        "study_name": run.name,
+        "versions": {"numpy": "2.4"},
+        "model_version": "1",
+        "host": "here",
+        "host_class": run.host_class,
+        "threads": 1,
+        "started": run.started,
+        "finished": run.started,
+        "exit_status": 1 if run.lost else 0,
+        "cases": cases,
+        "reference": "full",
+        "parameters": {
+            kind: {label: parameters for name, parameters in named.items() for label in run.names(name)}
+            for kind, named in _parameters(run.soils, run.vehicles).items()
+        },
+        "axles": {name: _axles(run.vehicles) for name in run.names("grona-taget")},
+        "unevenness_bands": {
+            "fra-hamid-yang-3": [
+                {
+                    "wavelength_m": float(wavelength),
+                    "mean_square_m2": 1e-7 * float(wavelength) ** 2,
+                    "extrapolated_share": float(wavelength < 1.524),
+                }
+                for wavelength in wavelengths
+            ]
+        },
+    }
 
 
 def _parameters(soils: Sequence[str], vehicles: Sequence[Mapping[str, float]]) -> dict[str, dict[str, Any]]:
@@ -327,16 +337,12 @@ def _parameters(soils: Sequence[str], vehicles: Sequence[Mapping[str, float]]) -
     }
 
 
-def _names(name: str, aliases: Mapping[str, str]) -> list[str]:
-    return [name, *([aliases[name]] if name in aliases else [])]
-
-
-def _labels(case: Mapping[str, Any], aliases: Mapping[str, str]) -> list[dict[str, Any]]:
+def _labels(run: Run, case: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return every combination of the names of a case."""
     kinds = ("soil", "track", "train", "unevenness")
     return [
         {**dict(zip(kinds, names, strict=True)), "speed_kmh": case["speed_kmh"]}
-        for names in product(*(_names(case[kind], aliases) for kind in kinds))
+        for names in product(*(run.names(case[kind]) for kind in kinds))
     ]
 
 
