@@ -13,11 +13,12 @@ from dask.delayed import delayed
 from numpy.typing import NDArray
 
 from railvib.numerics import frequency_blocks as blocks
+from railvib.parameters.receiver import Receiver
 from railvib.parameters.units import KMH
 from sweep.storage import records, store
 
-Key = tuple[str, str, Any]
-"""Soil, track, and a receiver or a speed in km/h."""
+Column = tuple[str, str, Any]
+"""Soil, track, and a `Receiver` or a speed in km/h: where a part lies along the axes of the grid."""
 
 
 def open_grid(directory: Path | str) -> xarray.Dataset:
@@ -59,8 +60,8 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
         )
         for block in sorted({part.block for part in (*fixed, *moving)})
     }
-    receivers = sorted({part.key[2] for part in fixed}, key=lambda each: -1.0 if each == "rail" else each)
-    speeds = sorted({part.key[2] for part in moving})
+    receivers: list[Receiver] = sorted({part.column[2] for part in fixed}, key=lambda receiver: receiver.rank)
+    speeds = sorted({part.column[2] for part in moving})
     soils, tracks = ([*dict.fromkeys(case[name] for case in manifest["cases"])] for name in ("soil", "track"))
     along = {"soil": soils, "track": tracks}
     grid = xarray.Dataset(
@@ -79,18 +80,21 @@ def open_grid(directory: Path | str) -> xarray.Dataset:
         },
         coords={
             **along,
-            "receiver": [str(each) for each in receivers],
-            "offset_m": (
-                "receiver",
-                [np.nan if each == "rail" else each for each in receivers],
-                {"units": "m"},
-            ),
+            **_receiver_coordinates(receivers),
             "speed_kmh": ("speed_kmh", speeds, {"units": "km/h"}),
             "frequency": ("frequency", np.concatenate([*frequency.values(), []]), {"units": "Hz"}),
         },
         attrs={"study": manifest["study_name"], "run_id": manifest["run_id"]},
     )
     return grid.set_coords([name for name in ("wavenumber", "moving_wavenumber") if name in grid])
+
+
+def _receiver_coordinates(receivers: Sequence[Receiver]) -> dict[str, Any]:
+    """Return the names and offsets of receivers as the grid has them, NaN on the rail."""
+    return {
+        "receiver": [str(receiver.key) for receiver in receivers],
+        "offset_m": ("receiver", [receiver.offset_m for receiver in receivers], {"units": "m"}),
+    }
 
 
 @dataclass(frozen=True)
@@ -103,7 +107,7 @@ class _Part:
     """Which result of the group it is."""
     values: str
     """Name of the array of values; the other one is called wavenumber."""
-    key: Key
+    column: Column
     block: int
     inside: NDArray[np.bool_]
     frequency: NDArray[np.float64]
@@ -115,7 +119,7 @@ def _parts(directory: Path | str, record: Mapping[str, Any], soil: str, track: s
     group, member, inputs = record["group"], record.get("member"), record["inputs"]
     values = next(name for name in ("rail", "ground", "rail_moving") if name in record["arrays"])
     frequency = store.read_array(directory, group, member, "frequency")
-    third = inputs["receiver"] if "receiver" in inputs else round(inputs["speed"] * KMH, 9)
+    third = Receiver.of(inputs["receiver"]) if "receiver" in inputs else round(inputs["speed"] * KMH, 9)
     for block in inputs["blocks"] if "blocks" in inputs else [inputs["block"]]:
         low, high = blocks.edges(int(block))
         inside = (frequency >= low * (1.0 - 1e-9)) & (frequency < high * (1.0 - 1e-9))
@@ -143,20 +147,20 @@ def _variables(
     """Return the values and the wavenumbers of some parts on the common grid, as variables of a dataset."""
     if not parts:
         return {}
-    there = {(part.key, part.block): part for part in parts}
+    part_at = {(part.column, part.block): part for part in parts}
     nodes = max((part.nodes for part in parts), default=0)
     dims = (*axes, "frequency", node)
 
     def assemble(dtype: type) -> dask.array.Array:
-        def column(key: Key) -> dask.array.Array:
+        def assemble_column(column: Column) -> dask.array.Array:
             pieces = [
-                _piece(there.get((key, block)), rows, nodes, dtype) for block, rows in frequency.items()
+                _piece(part_at.get((column, block)), rows, nodes, dtype) for block, rows in frequency.items()
             ]
             joined: dask.array.Array = dask.array.concatenate(pieces, axis=0)
             return joined
 
         soils, tracks, thirds = axes.values()
-        columns = [column(key) for key in product(soils, tracks, thirds)]
+        columns = [assemble_column(column) for column in product(soils, tracks, thirds)]
         stacked: dask.array.Array = dask.array.stack(columns)
         grid: dask.array.Array = stacked.reshape((len(soils), len(tracks), len(thirds), *stacked.shape[1:]))
         return grid
