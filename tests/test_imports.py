@@ -1,4 +1,4 @@
-"""Imports go one way: between the packages, between the rooms of railvib, and never in a circle."""
+"""Imports go one way: between the packages, between the rooms of each, and never in a circle."""
 
 import ast
 import graphlib
@@ -16,18 +16,41 @@ FORBIDDEN = {
 }
 OUTSIDE = {"benchmarks", "tests"}
 """Packages that none of the three imports."""
-LAYERS = (
-    {"cost", "errors", "signals"},
-    {"numerics"},
-    {"levels", "parameters"},
-    {"library", "soil"},
-    {"transfer"},
-    {"fe_be", "forces", "plausibility"},
-    {"psd"},
-    {"stages"},
-    {"prediction"},
-)
-"""Rooms and single modules of railvib: each imports from layers above its own only."""
+LAYERS = {
+    "railvib": (
+        {"cost", "errors", "signals"},
+        {"numerics"},
+        {"levels", "parameters"},
+        {"library", "soil"},
+        {"transfer"},
+        {"fe_be", "forces", "plausibility"},
+        {"psd"},
+        {"stages"},
+        {"prediction"},
+    ),
+    "sweep": (
+        {"hooks", "host", "identity"},
+        {"study", "unit"},
+        {"cautions", "description", "plan", "processes", "storage", "wanted"},
+        {"running"},
+        {"progress", "request", "workers"},
+        {"forecast", "manifest", "status"},
+        {"run"},
+        {"driver"},
+    ),
+    "queries": (
+        {"statements"},
+        {"database"},
+        {"answers", "refusal"},
+        {"figures"},
+        {"report"},
+        {"publication"},
+        {"publisher"},
+    ),
+}
+"""Rooms and single modules of a package: each imports from layers above its own only."""
+PROGRAM = {"__init__", "__main__", "cli"}
+"""Modules that import from all layers."""
 PHYSICS = {"soil", "transfer", "fe_be", "forces", "psd", "prediction"}
 """Rooms of railvib that sweep does not see; it goes by the stages."""
 NEAR_KERNELS = {Path("sweep/forecast/pilot.py"), Path("sweep/processes/compiling.py")}
@@ -65,17 +88,27 @@ def test_nobody_imports_tests():
     ] == []
 
 
-def test_rooms_of_railvib_import_from_the_layers_above_them():
-    layers = {room: number for number, rooms in enumerate(LAYERS) for room in rooms}
-    program = {"__init__", "__main__", "cli"}
+@pytest.mark.parametrize("package", LAYERS)
+def test_rooms_import_from_the_layers_above_them(package):
+    layers = {room: number for number, rooms in enumerate(LAYERS[package]) for room in rooms}
     wrong = []
-    for path, name in package_imports("railvib"):
-        room, *parts = Path(path.parts[1]).stem, *name.split(".")
-        if parts[0] != "railvib" or parts[1] == room or room in program:
+    for path, name in package_imports(package):
+        room, (first, *inner) = Path(path.parts[1]).stem, name.split(".")
+        if first != package or inner[:1] in ([], [room]) or room in PROGRAM or inner == ["MODEL_VERSION"]:
             continue
-        if parts[1] != "MODEL_VERSION" and layers[parts[1]] >= layers[room]:
+        if layers[inner[0]] >= layers[room]:
             wrong.append(f"{path}: {name}")
     assert wrong == []
+
+
+@pytest.mark.parametrize("package", LAYERS)
+def test_every_room_has_a_layer(package):
+    rooms = {
+        path.stem
+        for path in (ROOT / package).iterdir()
+        if path.suffix == ".py" or (path / "__init__.py").exists()
+    }
+    assert rooms == PROGRAM & rooms | set().union(*LAYERS[package])
 
 
 def test_sweep_goes_by_the_stages():

@@ -142,7 +142,7 @@ def _measure_apart(name: str) -> Rates:
 
 def measure() -> Rates:
     """Run the pilot's tasks in this process, and return the rates."""
-    import sweep.processes.preloaded  # noqa: F401 - what a worker has loaded
+    import sweep.workers.preloaded  # noqa: F401 - what a worker has loaded
 
     compiling.load(STAGES)  # a process that serves runs of other stages may have been forked
     idle = _resident()

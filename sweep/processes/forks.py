@@ -34,6 +34,8 @@ THREADS = {
 """Environment of worker processes; numba and BLAS read it when they are imported."""
 POSSIBLE = sys.platform == "linux"
 """Whether forking is possible and safe."""
+_SERVER = "sweep.workers.server"
+"""What the process imports; by name only, as workers know this room and not the other way round."""
 _started = False
 
 
@@ -45,7 +47,7 @@ def start(stages: str) -> None:
     with _ignore_hang_up():
         resource_tracker.ensure_running()  # which would unblock the signals when it is started below
     with _environment({**THREADS, STAGES_MODULE: stages, DRIVER: str(os.getpid())}), block_signals():
-        forkserver.set_forkserver_preload(["sweep.processes.server"])
+        forkserver.set_forkserver_preload([_SERVER])
         forkserver.ensure_running()
         _started = True
 

@@ -9,6 +9,6 @@ parent.let_forks_end_with_this_process()
 if DRIVER in os.environ:
     parent.end_with(int(os.environ[DRIVER]))
 
-import sweep.processes.preloaded  # noqa: E402, F401
+import sweep.workers.preloaded  # noqa: E402, F401
 
 parent.outlive()  # the thread that has started it: a pipe tells it of the driver's end from now on
