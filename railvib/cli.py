@@ -56,10 +56,10 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a sub-command."""
         try:
-            with signals.raised():
+            with signals.raise_interrupts():
                 return super().invoke(ctx)
         except (KeyboardInterrupt, Exception) as error:
-            if isinstance(error, KeyboardInterrupt) or signals.received():
+            if isinstance(error, KeyboardInterrupt) or signals.end_requested():
                 click.echo("interrupted", err=True)
                 ctx.exit(signals.INTERRUPTED)
             if isinstance(error, InputError):

@@ -29,4 +29,4 @@ class AccuracyWarning(PlausibilityWarning):
 
 def printable(text: str) -> str:
     """Return a text with its control characters escaped: what a file holds must not steer a terminal."""
-    return _CONTROL.sub(lambda found: ascii(found[0])[1:-1], text)
+    return _CONTROL.sub(lambda match: ascii(match[0])[1:-1], text)

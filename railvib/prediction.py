@@ -38,7 +38,7 @@ def _table(stage: TransferTable) -> TransferBlock:
     return table
 
 
-@threads.limited
+@threads.single()
 def rail_receptance(
     track: Track,
     ground: Ground,
@@ -105,7 +105,7 @@ def rail_receptance(
     return receptance[()]
 
 
-@threads.limited
+@threads.single()
 def predict(
     ground: Ground,
     track: Track,

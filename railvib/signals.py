@@ -14,7 +14,7 @@ _received: list[int] = []
 
 
 @contextmanager
-def raised() -> Iterator[None]:
+def raise_interrupts() -> Iterator[None]:
     """Raise KeyboardInterrupt where a signal asks this process to end; the second Ctrl-C ends it at once.
 
     A signal that is ignored stays so, as SIGHUP is by nohup.
@@ -33,7 +33,7 @@ def raised() -> Iterator[None]:
                 signal.signal(number, handler)
 
 
-def received() -> bool:
+def end_requested() -> bool:
     """Return whether this process has been asked to end.
 
     Libraries that wait in compiled code turn the KeyboardInterrupt into errors of their own.

@@ -108,7 +108,7 @@ def drive(prepared: Prepared, launch: Launch, mend: bool = False, only_failed: b
             exit_status = _compute_and_publish(prepared, launch)
     except (KeyboardInterrupt, Exception) as error:
         resume = f"continue with: railvib resume {directory}"
-        if isinstance(error, KeyboardInterrupt) or signals.received():
+        if isinstance(error, KeyboardInterrupt) or signals.end_requested():
             click.echo(f"interrupted; what is done is kept; {resume}", err=True)
             return signals.INTERRUPTED
         if location.is_full(error):

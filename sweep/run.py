@@ -61,7 +61,7 @@ def execute(
             reporter = _Reporter(request, log, tallies, cautions, near_end)
             status = _compute(request, directory, launch, reporter)
     except Exception:
-        status = INTERRUPTED if signals.received() else FAILED
+        status = INTERRUPTED if signals.end_requested() else FAILED
         raise
     finally:
         wall_s = time.perf_counter() - started

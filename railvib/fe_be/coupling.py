@@ -36,23 +36,23 @@ def strip_edges(track: Track, section: CrossSection) -> np.ndarray:
     return graded_edges(track.half_width, section.elements)
 
 
-def columns(track: Track, section: CrossSection, omega: float) -> np.ndarray:
+def condense_columns(track: Track, section: CrossSection, omega: float) -> np.ndarray:
     """Return the condensed form of a bed of independent columns, complex (3n + 2, 3n + 2).
 
-    As `SolidBed.condensed`; columns carry vertical forces only. A bed of several layers is condensed from the
+    As `SolidBed.condense`; columns carry vertical forces only. A bed of several layers is condensed from the
     top down.
     """
     n = section.elements
     stiffness: tuple[complex, complex, complex] | None = None
     for layer in track.bed:
         k = 0.5 * layer.stiffness * (1.0 + 1j * layer.loss_factor * np.sign(omega))
-        own, other = k - omega**2 * layer.mass / 6.0, -(k + omega**2 * layer.mass / 12.0)
+        diagonal, coupling = k - omega**2 * layer.mass / 6.0, -(k + omega**2 * layer.mass / 12.0)
         if stiffness is None:
-            stiffness = (own, other, own)
+            stiffness = (diagonal, coupling, diagonal)
         else:
             top, across, bottom = stiffness
-            joint = bottom + own
-            stiffness = (top - across**2 / joint, -across * other / joint, own - other**2 / joint)
+            joint = bottom + diagonal
+            stiffness = (top - across**2 / joint, -across * coupling / joint, diagonal - coupling**2 / joint)
     if stiffness is None:
         raise ValueError("a bed needs a layer")
     top, across, bottom = stiffness

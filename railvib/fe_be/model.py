@@ -14,7 +14,7 @@ import numpy.typing as npt
 from railvib import cost
 from railvib.errors import InputError
 from railvib.fe_be.boundary_elements import receiver_flexibility, strip_flexibility
-from railvib.fe_be.coupling import Response, columns, coupled_response, strip_edges
+from railvib.fe_be.coupling import Response, condense_columns, coupled_response, strip_edges
 from railvib.fe_be.solid_bed import CondensedBed, SolidBed
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import threads
@@ -76,8 +76,8 @@ def _soil(
         soil = strip_flexibility(strips, beta, edge)
         receiver = np.empty((beta.size, offset.size, soil.shape[1]), complex)
         near = offset < edge[-1] + _NEAR
-        for fit, which in ((strips, near), (field, ~near)):
-            receiver[:, which] = receiver_flexibility(fit, beta, edge, offset[which])
+        for fit, part in ((strips, near), (field, ~near)):
+            receiver[:, part] = receiver_flexibility(fit, beta, edge, offset[part])
         spent.evaluations += beta.size
         spent.kernel_calls += 3
     return soil, receiver
@@ -111,7 +111,7 @@ def fe_be_response(
     """
     if not (np.isfinite(frequency) and frequency > 0.0):
         raise InputError(f"frequency = {frequency} Hz: must be positive and finite")
-    y = np.array([0.0, *(float(each) for each in offsets)])
+    y = np.array([0.0, *(float(offset) for offset in offsets)])
     if not np.all(y >= 0.0):
         raise InputError(f"offset = {y.min()} m: must not be negative")
     beta = np.abs(np.atleast_1d(np.asarray(wavenumber, float)))
@@ -121,11 +121,11 @@ def fe_be_response(
     field = _fit(ground, 0.0, _FIELD_TOLERANCE, frequency)
     soil, receiver = _soil(beta, edge, y, strips, field)
     if section.bed == "columns":
-        bed = columns(track, section, omega)
+        bed = condense_columns(track, section, omega)
     else:
         with cost.stage("track sections"), threads.single():
             solid = SolidBed(track, section, edge)
-            bed = np.array([solid.condensed(each, omega) for each in beta])
+            bed = np.array([solid.condense(b, omega) for b in beta])
     with cost.stage("coupling"), threads.single():
         response = coupled_response(track, section, beta, omega, bed, soil, receiver)
     return response._replace(ground=response.ground[1:])
@@ -181,7 +181,7 @@ class _FeBeEvaluation(Evaluation):
         )
         with cost.stage("coupling"), threads.single():
             bed = (
-                columns(model.track, model.section, omega)
+                condense_columns(model.track, model.section, omega)
                 if model._bed is None
                 else model._bed.at(beta, omega)
             )

@@ -19,6 +19,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementQuad2, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 from railvib import cost
+from railvib.numerics.refinement import Panels, halve
 from railvib.numerics.wavenumber_panels import BARYCENTRIC, NODE, ORDER, nodes_between, series_tails
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.track import Track
@@ -64,13 +65,14 @@ class SolidBed:
                 base[axis * self.columns + strip] = force / (edge[strip + 1] - edge[strip])
         top = basis.get_dofs(lambda x: np.isclose(x[1], 0.0))
         middle = basis.get_dofs(lambda x: np.isclose(x[0], 0.0)).all("u^2")
-        held = np.union1d(top.all(), middle)
-        self._free = np.setdiff1d(np.arange(basis.N), held)
-        self._held = held
-        self._rigid = np.stack([np.isin(held, top.all("u^1")), np.isin(held, top.all("u^3"))], axis=1) * 1.0
-        self._base = base[:, self._free]
+        boundary = np.union1d(top.all(), middle)
+        self._interior = np.setdiff1d(np.arange(basis.N), boundary)
+        self._boundary = boundary
+        motions = [np.isin(boundary, top.all(component)) for component in ("u^1", "u^3")]
+        self._rigid = np.stack(motions, axis=1) * 1.0
+        self._base = base[:, self._interior]
 
-    def condensed(self, beta: float, omega: float) -> np.ndarray:
+    def condense(self, beta: float, omega: float) -> np.ndarray:
         """Return the bed's small matrix at one wavenumber and frequency, complex (3n + 2, 3n + 2).
 
         For forces f on the ground and motion q = (U, W) of the top: the base's average displacements are
@@ -78,11 +80,11 @@ class SolidBed:
         """
         k0, k1, k2 = self._stiffness
         dynamic = (k0 + beta * k1 + beta**2 * k2 - omega**2 * self._mass).tocsr()
-        inner = dynamic[self._free]
-        drive = inner[:, self._held] @ self._rigid
+        inner = dynamic[self._interior]
+        drive = inner[:, self._boundary] @ self._rigid
         right = np.concatenate([self._base.T, -drive], axis=1)
         factors = splu(
-            inner[:, self._free].tocsc(),
+            inner[:, self._interior].tocsc(),
             permc_spec="MMD_AT_PLUS_A",  # the matrix is symmetric
             diag_pivot_thresh=0.01,
             options={"SymmetricMode": True},
@@ -93,9 +95,9 @@ class SolidBed:
         out = np.empty((n + 2, n + 2), complex)
         out[:n] = flexibility
         out[n:, :n] = flexibility[:, n:].T
-        outer = dynamic[self._held]
+        outer = dynamic[self._boundary]
         out[n:, n:] = self._rigid.T @ (
-            outer[:, self._held] @ self._rigid + outer[:, self._free] @ solved[:, n:]
+            outer[:, self._boundary] @ self._rigid + outer[:, self._interior] @ solved[:, n:]
         )
         return out
 
@@ -120,7 +122,7 @@ class CondensedBed:
     ) -> None:
         self._squares = (2.0 * np.pi * np.array(frequencies)) ** 2
         with cost.stage("track sections") as spent:
-            edges, values = _resolved(bed, float(np.sqrt(self._squares[1])), largest, tolerance)
+            edges, values = _resolve(bed, float(np.sqrt(self._squares[1])), largest, tolerance)
             spent.kernel_calls += 1
             self.edge = edges
             beta = nodes_between(edges)
@@ -129,7 +131,7 @@ class CondensedBed:
             while True:
                 x = chebyshev.chebpts1(count)
                 omega = np.sqrt(self._squares.mean() + 0.5 * np.ptp(self._squares) * x)
-                values = np.array([[bed.condensed(b, w) for b in beta] for w in omega])
+                values = np.array([[bed.condense(b, w) for b in beta] for w in omega])
                 spent.kernel_calls += beta.size * count
                 coefficient = np.einsum(
                     "kw,wnij->knij", np.linalg.inv(chebyshev.chebvander(x, count - 1)), values
@@ -149,15 +151,15 @@ class CondensedBed:
         )
         panel = np.clip(np.searchsorted(self.edge, beta, side="right") - 1, 0, self.edge.size - 2)
         out = np.empty((beta.size, table.shape[-1]), complex)
-        for each in np.unique(panel):
-            here = panel == each
-            low, high = self.edge[each : each + 2]
-            away = (2.0 * beta[here] - low - high)[:, None] / (high - low) - NODE
+        for index in np.unique(panel):
+            inside = panel == index
+            low, high = self.edge[index : index + 2]
+            away = (2.0 * beta[inside] - low - high)[:, None] / (high - low) - NODE
             exact = away == 0.0
             weight = BARYCENTRIC / np.where(exact, 1.0, away)
             hit = exact.any(axis=1)
             weight[hit] = exact[hit]
-            out[here] = (weight / weight.sum(axis=1, keepdims=True)) @ table[each]
+            out[inside] = (weight / weight.sum(axis=1, keepdims=True)) @ table[index]
         return out.reshape(beta.size, self._size, self._size)
 
 
@@ -167,23 +169,22 @@ def _scale(values: np.ndarray) -> np.ndarray:
     return np.asarray(diagonal[:, None] * diagonal)
 
 
-def _resolved(bed: SolidBed, omega: float, largest: float, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return panel edges over β, halved until one frequency's matrices are resolved, and its matrices."""
-    pending = np.array([[0.0, 0.5 * largest], [0.5 * largest, largest]])
-    done: list[tuple[np.ndarray, np.ndarray]] = []
-    for halving in range(_MOST_HALVINGS + 1):
-        values = np.array([[bed.condensed(b, omega) for b in nodes_between(each)] for each in pending])
-        size = _scale(np.concatenate([*(value[None] for _panel, value in done), values]))
+def _resolve(bed: SolidBed, omega: float, largest: float, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the edges of panels over β that resolve one frequency's matrices, and these matrices."""
+    resolved: list[tuple[Panels, np.ndarray]] = []
+
+    def check(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
+        values = np.array([[bed.condense(b, omega) for b in nodes_between(edge)] for edge in panels.edges])
+        size = _scale(np.concatenate([*(value for _panels, value in resolved), values]))
         last = series_tails(values.transpose(0, 2, 3, 1))[..., 0]
-        bad = (last > tolerance * size).any(axis=(1, 2)) & (halving < _MOST_HALVINGS)
-        done += list(zip(pending[~bad], values[~bad], strict=True))
-        if not bad.any():
-            break
-        middle = pending[bad].mean(axis=1)
-        pending = np.stack([pending[bad, 0], middle, middle, pending[bad, 1]], axis=1).reshape(-1, 2)
-    done.sort(key=lambda each: float(each[0][0]))
-    edges = np.append([panel[0] for panel, _value in done], largest)
-    return edges, np.concatenate([value for _panel, value in done])
+        return values, np.asarray((last > tolerance * size).any(axis=(1, 2)))
+
+    for part in halve(Panels.between(np.linspace(0.0, largest, 3)), check, _MOST_HALVINGS):
+        resolved.append(part)
+    low = np.concatenate([panels.low for panels, _values in resolved])
+    values = np.concatenate([values for _panels, values in resolved])
+    order = np.argsort(low)
+    return np.append(low[order], largest), values[order].reshape(-1, *values.shape[2:])
 
 
 def _strain(u: Any, beta_free: bool) -> tuple[Any, ...]:

@@ -96,7 +96,7 @@ def _boundary(log_function: LogFunction, low: complex, high: complex) -> _Bounda
     for _ in range(_MOST_HALVINGS):
         step = np.diff(z)
         expected = 0.5 * (slope[1:] + slope[:-1]) * step
-        surprise = _wrapped(np.diff(value) - expected)
+        surprise = _wrap(np.diff(value) - expected)
         unsure = (np.abs(surprise.imag) > _MOST_SURPRISE) | (np.abs(np.diff(slope) * step) > _MOST_BEND)
         if not unsure.any():
             return _Boundary(0.5 * (z[1:] + z[:-1]), expected + surprise)
@@ -111,10 +111,10 @@ def _boundary(log_function: LogFunction, low: complex, high: complex) -> _Bounda
 
 def _values_and_slopes(log_function: LogFunction, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     value, beside = np.split(log_function(np.concatenate([z, z + _OFFSET])), 2)
-    return value, _wrapped(beside - value) / _OFFSET
+    return value, _wrap(beside - value) / _OFFSET
 
 
-def _wrapped(change: np.ndarray) -> np.ndarray:
+def _wrap(change: np.ndarray) -> np.ndarray:
     """Return changes of a logarithm with a phase between −π and π."""
     return np.asarray(change.real + 1j * (np.remainder(change.imag + np.pi, 2.0 * np.pi) - np.pi))
 
@@ -144,12 +144,12 @@ def _zeros(log_function: LogFunction, low: complex, high: complex, boundary: _Bo
             boundaries = [_boundary(log_function, *part) for part in parts]
         except ArithmeticError:
             continue
-        counts = [each.zero_count for each in boundaries]
+        counts = [part_boundary.zero_count for part_boundary in boundaries]
         if sum(counts) == count and min(counts) >= 0:
             return [
                 zero
-                for part, each in zip(parts, boundaries, strict=True)
-                for zero in _zeros(log_function, *part, each)
+                for part, part_boundary in zip(parts, boundaries, strict=True)
+                for zero in _zeros(log_function, *part, part_boundary)
             ]
     raise ArithmeticError(f"no cut between {low:g} and {high:g} keeps clear of zeros")
 
@@ -160,20 +160,20 @@ def _search(
     """Return the zeros that Newton's method leads to, each divided out for the next; None if one leaves."""
     size = abs(high - low)
     slack = 1e-9 * size
-    known: list[complex] = []
+    roots: list[complex] = []
     for start in starts:
         z, step = complex(start), complex(0.1 * size)
         for _ in range(_MOST_STEPS):
             offset = max(1e-3 * abs(step), 1e-3 * _ACCEPTED)
-            pair = np.array([z, z + offset])
+            points = np.array([z, z + offset])
             with np.errstate(divide="ignore", invalid="ignore"):  # on a zero that is known
-                here, beside = log_function(pair) - np.log(pair[:, None] - np.array(known)).sum(axis=1)
-            if here.real == -np.inf:
+                value, beside = log_function(points) - np.log(points[:, None] - np.array(roots)).sum(axis=1)
+            if value.real == -np.inf:
                 step = 0j
                 break
-            if not abs((beside - here).real) < _MOST_RATIO:
+            if not abs((beside - value).real) < _MOST_RATIO:
                 return None
-            ratio = np.exp(beside - here)
+            ratio = np.exp(beside - value)
             if ratio == 1.0:
                 return None
             step = complex(offset / (ratio - 1.0))
@@ -187,5 +187,5 @@ def _search(
         )
         if not inside or abs(step) > _ACCEPTED:
             return None
-        known.append(z)
-    return known
+        roots.append(z)
+    return roots

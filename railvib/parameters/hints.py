@@ -145,20 +145,20 @@ def hint(key: str, values: Mapping[str, Any], known: Collection[str], places: Ma
     for conversion in CONVERSIONS:
         match = re.fullmatch(conversion.key, key, re.IGNORECASE)
         if match and (target := match.expand(conversion.target)) in known:
-            value = _worked_out(conversion, values[key], values)
-            return f"give {target}{_assigned(value, target)} ({conversion.formula})"
+            value = _convert(conversion, values[key], values)
+            return f"give {target}{_assignment(value, target)} ({conversion.formula})"
     for ending, (replacement, factor) in MULTIPLES.items():
         target = key.lower().removesuffix(ending) + replacement
         if key.lower().endswith(ending) and target in known:
             value = factor * values[key] if _is_number(values[key]) else None
-            return f"give {target}{_assigned(value, target)} ({factor:g} {key})"
+            return f"give {target}{_assignment(value, target)} ({factor:g} {key})"
     if key in places:
         return f"it is a key of {places[key]}"
     nearest = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
     return f"did you mean {nearest[0]}?" if nearest else unknown
 
 
-def _worked_out(conversion: Conversion, value: Any, values: Mapping[str, Any]) -> float | None:
+def _convert(conversion: Conversion, value: Any, values: Mapping[str, Any]) -> float | None:
     """Return the value of a conversion where the table has the numbers for it, and they are possible."""
     numbers = [value]
     for pattern in conversion.needs:
@@ -175,5 +175,5 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _assigned(value: float | None, key: str) -> str:
+def _assignment(value: float | None, key: str) -> str:
     return "" if value is None else f" = {value:.6g} {unit_of(key)}".rstrip()

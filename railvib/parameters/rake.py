@@ -170,7 +170,7 @@ class Rake:
         shapes[term, row, column] = shapes[term, column, row] = 1.0
         return shapes
 
-    @threads.limited
+    @threads.single()
     def flexibilities(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
         """Return the receptances between the axles, the upper triangle row by row.
 

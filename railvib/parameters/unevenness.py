@@ -158,7 +158,7 @@ class Unevenness(Parameters):
     def _continuation_is_not_too_steep(self) -> Self:
         slopes: dict[str, float] = {}
         if self.form == "power-law":
-            slopes = {"exponent": _given(self.exponent)}
+            slopes = {"exponent": _require(self.exponent)}
         elif self.form == "table":
             slope = _slopes(*self._knots).tolist()
             slopes = {
@@ -285,10 +285,10 @@ class Unevenness(Parameters):
         n = beta / (2.0 * np.pi)
         match self.form:
             case "fra-hamid-yang":
-                a, n1, n2 = HAMID_YANG_A[_given(self.line_class) - 1], HAMID_YANG_N1, HAMID_YANG_N2
+                a, n1, n2 = HAMID_YANG_A[_require(self.line_class) - 1], HAMID_YANG_N1, HAMID_YANG_N2
                 return a * n2**2 * (n**2 + n1**2) / (n**4 * (n**2 + n2**2)) / (2.0 * np.pi)
             case "fra-av":
-                a, beta_c = FRA_A[_given(self.line_class) - 1], FRA_BETA_C
+                a, beta_c = FRA_A[_require(self.line_class) - 1], FRA_BETA_C
                 return FRA_K * a * beta_c**2 / (beta**2 * (beta**2 + beta_c**2))
             case "german-low" | "german-high":
                 a, beta_c, beta_r = GERMAN_A[self.form], GERMAN_BETA_C, GERMAN_BETA_R
@@ -296,7 +296,7 @@ class Unevenness(Parameters):
             case "sncf-good" | "sncf-poor":
                 return SNCF_A[self.form] / (1.0 + n / SNCF_N0) ** 3 / (2.0 * np.pi)
             case "power-law":
-                return _given(self.amplitude) * n ** -_given(self.exponent) / (2.0 * np.pi)
+                return _require(self.amplitude) * n ** -_require(self.exponent) / (2.0 * np.pi)
             case "table":
                 return _power_laws_between(*self._knots, beta)
 
@@ -310,7 +310,7 @@ class Unevenness(Parameters):
             density = np.asarray(self.spectral_density)
         else:
             mean_square = third_octaves.UNEVENNESS_REFERENCE**2 * 10.0 ** (
-                np.asarray(_given(self.level)) / 10.0
+                np.asarray(_require(self.level)) / 10.0
             )
             lower, upper = third_octaves.edges(beta)
             density = mean_square / (upper - lower)
@@ -378,7 +378,7 @@ def _key(name: str) -> str:
     return Unevenness.model_fields[name].alias or name
 
 
-def _given(value: T | None) -> T:
+def _require(value: T | None) -> T:
     """Return a field that the check of the form has found to be there."""
     assert value is not None
     return value

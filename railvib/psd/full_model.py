@@ -42,7 +42,7 @@ RECEIVERS_AT_ONCE = 8
 """Receivers whose tables are in memory at once."""
 
 
-@threads.limited
+@threads.single()
 def passage_spectra(
     receivers: Mapping[Receiver, TransferFunction],
     excited: Excitation,

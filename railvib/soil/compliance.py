@@ -24,7 +24,7 @@ def _fit(ground: Ground, frequency: float, largest: float) -> RationalFit:
     return fit_flexibility(ground, frequency, _FIT_TOLERANCE, largest=largest)
 
 
-def _positive(name: str, value: np.ndarray, unit: str) -> None:
+def _check_positive(name: str, value: np.ndarray, unit: str) -> None:
     if not np.all(np.isfinite(value)) or np.any(value <= 0.0):
         raise InputError(f"{name} = {value[~(value > 0.0)].ravel()[:1]} {unit}: must be positive and finite")
 
@@ -69,20 +69,20 @@ def line_compliance(
     beta, y, f = np.broadcast_arrays(
         np.asarray(wavenumber, float), np.asarray(offset, float), np.asarray(frequency, float)
     )
-    _positive("half_width", np.asarray(half_width, float).reshape(1), "m")
-    _positive("frequency", f.ravel(), "Hz")
+    _check_positive("half_width", np.asarray(half_width, float).reshape(1), "m")
+    _check_positive("frequency", f.ravel(), "Hz")
     ground.require_damping(_LEAST_LOSS_FACTOR)
     out = np.empty(beta.shape, complex)
-    for each in np.unique(f):
-        fit = _fit(ground, float(each), 0.0)
-        for distance in np.unique(np.abs(y[f == each])):
-            here = (f == each) & (np.abs(y) == distance)
+    for value in np.unique(f):
+        fit = _fit(ground, float(value), 0.0)
+        for distance in np.unique(np.abs(y[f == value])):
+            part = (f == value) & (np.abs(y) == distance)
             if fit.error <= _ACCEPTED:
-                out[here] = strip_compliance(fit, np.abs(beta[here]), half_width, np.array([distance]))[0]
+                out[part] = strip_compliance(fit, np.abs(beta[part]), half_width, np.array([distance]))[0]
             else:
-                out[here] = [
-                    strip_compliance_by_quadrature(ground, half_width, b, [distance], float(each))[0]
-                    for b in beta[here]
+                out[part] = [
+                    strip_compliance_by_quadrature(ground, half_width, b, [distance], float(value))[0]
+                    for b in beta[part]
                 ]
     return out[()]
 
@@ -116,16 +116,16 @@ def ground_green_function(ground: Ground, distance: npt.ArrayLike, frequency: np
     from scipy.special import kv  # slow to import, and not needed by a run
 
     r, f = np.broadcast_arrays(np.asarray(distance, float), np.asarray(frequency, float))
-    _positive("distance", r.ravel(), "m")
-    _positive("frequency", f.ravel(), "Hz")
+    _check_positive("distance", r.ravel(), "m")
+    _check_positive("frequency", f.ravel(), "Hz")
     ground.require_damping(_LEAST_LOSS_FACTOR)
     out = np.empty(r.shape, complex)
-    for each in np.unique(f):
-        here = f == each
-        fit = _fit(ground, float(each), _WAVENUMBER_TIMES_DISTANCE / float(r[here].min()))
+    for value in np.unique(f):
+        part = f == value
+        fit = _fit(ground, float(value), _WAVENUMBER_TIMES_DISTANCE / float(r[part].min()))
         if fit.error > _ACCEPTED:
             raise ArithmeticError(
-                f"the ground's flexibility at {each:g} Hz was fitted to {fit.error:.1e} only"
+                f"the ground's flexibility at {value:g} Hz was fitted to {fit.error:.1e} only"
             )
-        out[here] = kv(0, np.sqrt(-fit.pole) * r[here][:, None]) @ fit.residue / (2.0 * np.pi)
+        out[part] = kv(0, np.sqrt(-fit.pole) * r[part][:, None]) @ fit.residue / (2.0 * np.pi)
     return out[()]

@@ -19,7 +19,7 @@ class _Fit(Protocol):
     @property
     def start(self) -> Start: ...
 
-    def scaled(self, ratio: float) -> Self: ...
+    def scale(self, ratio: float) -> Self: ...
 
 
 Fit = TypeVar("Fit", bound=_Fit)
@@ -61,7 +61,7 @@ class BlockFits(Generic[Fit]):
         if (level, k) == (0, first):
             return self._fit(frequency, None)
         if self.ground.homogeneous:
-            return self.at(0, first).scaled(frequency / float(blocks.frequency(0, first)))
+            return self.at(0, first).scale(frequency / float(blocks.frequency(0, first)))
         return self._fit(frequency, self.at(level, k - 1).start)
 
 

@@ -41,6 +41,6 @@ def ground_flexibility(ground: Ground, wavenumber: npt.ArrayLike, frequency: npt
     rigid = ground.base == "rigid"
     q = np.empty(r.shape, complex)
     for value in np.unique(np.abs(f)):
-        here = np.abs(f) == value
-        q[here] = surface_flexibilities(np.ascontiguousarray(r[here]), 2.0 * np.pi * value, stack, rigid)
+        part = np.abs(f) == value
+        q[part] = surface_flexibilities(np.ascontiguousarray(r[part]), 2.0 * np.pi * value, stack, rigid)
     return np.where(f < 0.0, q.conj(), q)[()]

@@ -61,9 +61,9 @@ def ground_flexibility_tensor(
     stack = ground.stack()
     q = np.empty((4, *r.shape), complex)
     for value in np.unique(np.abs(f)):
-        here = np.abs(f) == value
+        part = np.abs(f) == value
         omega = 2.0 * np.pi * float(value)
-        q[:, here] = surface_components(r[here], omega, stack, ground.base == "rigid")
+        q[:, part] = surface_components(r[part], omega, stack, ground.base == "rigid")
     q = np.where(f < 0.0, q.conj(), q)
     with np.errstate(invalid="ignore"):
         c, s = np.where(r > 0.0, beta / r, 1.0), np.where(r > 0.0, gamma / r, 0.0)

@@ -39,7 +39,7 @@ class RationalFit:
         r = np.asarray(wavenumber, float)
         return np.asarray(self.constant + (self.residue / (r[:, None] ** 2 - self.pole)).sum(axis=1))
 
-    def scaled(self, ratio: float) -> "RationalFit":
+    def scale(self, ratio: float) -> "RationalFit":
         """Return a half-space's fit at `ratio` times the frequency: its Q33 is a function of ρ/ω, over ω."""
         return RationalFit(
             self.pole * ratio**2, self.residue * ratio, self.constant / ratio, self.error, self.start

@@ -42,7 +42,7 @@ class TensorFit:
         value[:3] += self.constant[:, None]
         return np.asarray(value)
 
-    def scaled(self, ratio: float) -> "TensorFit":
+    def scale(self, ratio: float) -> "TensorFit":
         """Return a half-space's fit at `ratio` ≥ 1 times the frequency: there ω q depends on ρ/ω only."""
         powers = np.array([1.0, 1.0, 1.0, -1.0, 0.0])[:, None]
         return TensorFit(

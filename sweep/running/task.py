@@ -148,7 +148,7 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
     except WithdrawnError as error:
         return outcome("damaged", str(error))
     except Exception as error:
-        if signals.received():  # compiled code that is interrupted raises an error of its own
+        if signals.end_requested():  # compiled code that is interrupted raises an error of its own
             raise KeyboardInterrupt from error
         try:
             if location.is_full(error):

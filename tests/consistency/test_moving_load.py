@@ -88,7 +88,7 @@ def test_package(row):
         for beta, w in zip(
             0.5 * (low + high) + 0.5 * (high - low) * node, 0.5 * (high - low) * weight, strict=True
         ):
-            here = fit.scaled(beta * speed / (2.0 * np.pi))
+            here = fit.scale(beta * speed / (2.0 * np.pi))
             compliance = strip_compliance(here, np.array([beta]), 0.05, np.array([y]))[0, 0]
             total += w * compliance.real / np.pi  # −β and β are conjugate: the imaginary parts cancel
     assert total == pytest.approx(float(row["displacement_m_n"]), rel=1e-3)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railvib.fe_be.boundary_elements import graded_edges
-from railvib.fe_be.coupling import columns, strip_edges
+from railvib.fe_be.coupling import condense_columns, strip_edges
 from railvib.fe_be.model import fe_be_blocks, fe_be_response
 from railvib.fe_be.solid_bed import CondensedBed, SolidBed
 from railvib.parameters.cross_section import CrossSection
@@ -73,9 +73,9 @@ def test_bed_has_the_stiffness_and_mass_that_it_stands_for(track):
     edge = strip_edges(track, section)
     solid = SolidBed(track, section, edge)
     omega = 2.0 * np.pi * 20.0
-    found = solid.condensed(0.0, omega)
+    found = solid.condense(0.0, omega)
     n = edge.size - 1
-    lumped = columns(track, section, omega)
+    lumped = condense_columns(track, section, omega)
     strip = 2 * n + np.arange(n)
     share = np.diff(edge) / track.half_width
     # A bar's distributed mass against the consistent one of a single element: equal up to (ω/ω₁)⁴.
@@ -95,7 +95,7 @@ def test_interpolated_bed_is_the_factorised_one(track):
     beta = rng.uniform(0.0, 20.0, 6)
     for frequency in (25.0, 64.0, 130.0):
         omega = 2.0 * np.pi * frequency
-        direct = np.array([solid.condensed(each, omega) for each in beta])
+        direct = np.array([solid.condense(each, omega) for each in beta])
         size = np.sqrt(abs(np.einsum("nii->ni", direct)).max(axis=0))
         assert (abs(bed.at(beta, omega) - direct) / (size[:, None] * size)).max() < 1e-6
 
@@ -110,11 +110,11 @@ def test_coupling_by_whole_matrices(greby, track):
     k0, k1, k2 = solid._stiffness
     dynamic = (k0 + beta * k1 + beta**2 * k2 - omega**2 * solid._mass).toarray()
     base = np.zeros((3 * section.elements, dynamic.shape[0]))
-    base[:, solid._free] = solid._base
+    base[:, solid._interior] = solid._base
     dynamic += base.T @ np.linalg.solve(strips(greby, edge, beta, frequency), base)
-    keep = np.zeros((dynamic.shape[0], solid._free.size + 2))
-    keep[solid._free, np.arange(solid._free.size)] = 1.0
-    keep[solid._held, -2:] = solid._rigid
+    keep = np.zeros((dynamic.shape[0], solid._interior.size + 2))
+    keep[solid._interior, np.arange(solid._interior.size)] = 1.0
+    keep[solid._boundary, -2:] = solid._rigid
     whole = np.zeros((keep.shape[1] + 1,) * 2, complex)
     whole[:-1, :-1] = keep.T @ dynamic @ keep
     pad = 0.5e9 * (1.0 + 0.1j)

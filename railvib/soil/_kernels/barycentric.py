@@ -67,11 +67,11 @@ def barycentric_errors(cauchy, weight, f_support, f):
 def polish_zeros(zero, z_support, weight, sweeps):
     """Improve zeros of Σ w_j/(z − z_j) in place, all together (Ehrlich–Aberth); return if they converge."""
     n = zero.shape[0]
-    done = np.zeros(n, np.bool_)
+    converged = np.zeros(n, np.bool_)
     for _ in range(sweeps):
-        left = 0
+        remaining = 0
         for i in range(n):
-            if done[i]:
+            if converged[i]:
                 continue
             value = 0j
             slope = 0j
@@ -83,7 +83,7 @@ def polish_zeros(zero, z_support, weight, sweeps):
                 slope -= weighted * u
                 lift += u
             if value == 0j:
-                done[i] = True
+                converged[i] = True
                 continue
             for j in range(i):
                 lift -= reciprocal(zero[i] - zero[j])
@@ -92,10 +92,10 @@ def polish_zeros(zero, z_support, weight, sweeps):
             step = reciprocal(slope * reciprocal(value) + lift)
             zero[i] -= step
             if abs(step) < 1e-7 * abs(zero[i]):  # convergence is cubic: nothing is left after this step
-                done[i] = True
+                converged[i] = True
             else:
-                left += 1
-        if left == 0:
+                remaining += 1
+        if remaining == 0:
             return True
     return False
 

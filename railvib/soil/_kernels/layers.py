@@ -37,9 +37,9 @@ def _waves(r, e, m, ks2):
     s = root(r2 - ks2)
     rs = reciprocal(r + s)
     rp = e * reciprocal(r + p)
-    one = (r, -p, -2.0 * m * (r * p), m * (2.0 * r2 - ks2))
-    two = (rs, rp, m * (2.0 * r * rp - 1.0), m * ks2 * (rs * rs))
-    return p, s, one, two
+    p_wave = (r, -p, -2.0 * m * (r * p), m * (2.0 * r2 - ks2))
+    difference = (rs, rp, m * (2.0 * r * rp - 1.0), m * ks2 * (rs * rs))
+    return p, s, p_wave, difference
 
 
 @inline
@@ -188,18 +188,18 @@ def _through_layers(r, omega, stack, rigid, q):
         e, m, ks2, h = _material(stack, layer, omega)
         if layer == last and not rigid:
             for i in range(n):
-                _put(q, i, _half_space(r[i], e, m, ks2))
+                _write_lane(q, i, _half_space(r[i], e, m, ks2))
         else:
             for i in range(n):
                 q11 = complex(q[i], q[LANES + i])
                 q12 = complex(q[2 * LANES + i], q[3 * LANES + i])
                 q21 = complex(q[4 * LANES + i], q[5 * LANES + i])
                 q22 = complex(q[6 * LANES + i], q[7 * LANES + i])
-                _put(q, i, _layer(q11, q12, q21, q22, r[i], e, m, ks2, h))
+                _write_lane(q, i, _layer(q11, q12, q21, q22, r[i], e, m, ks2, h))
 
 
 @inline
-def _put(q, i, flexibility):
+def _write_lane(q, i, flexibility):
     """Write the four entries of a flexibility to lane i."""
     q11, q12, q21, q22 = flexibility
     q[i] = q11.real

@@ -74,8 +74,8 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
         count = n - first if n - first < STRETCH else STRETCH
         for i in range(STRETCH):
             # The last stretch is filled up with its first wavenumber.
-            own = beta[first + (i if i < count else 0)]
-            at[SQUARE, i] = own * own
+            wavenumber = beta[first + (i if i < count else 0)]
+            at[SQUARE, i] = wavenumber * wavenumber
             at[STRONGEST, i] = -1e300
             at[DECAY, i] = 0.0
             at[CENTRE_REAL, i] = 0.0
@@ -157,12 +157,12 @@ def strip_compliances(beta, pole, residue, constant, b, offset):
                         ci = wave[j, before + 1, i]
                         at[TOTAL_REAL, i] = at[TOTAL_REAL, i] + cr * er - ci * ei
                         at[TOTAL_IMAG, i] = at[TOTAL_IMAG, i] + cr * ei + ci * er
-            found = CENTRE_REAL if y == 0.0 else TOTAL_REAL
+            compliance = CENTRE_REAL if y == 0.0 else TOTAL_REAL
             # The transform of a constant over the strip takes the mean of both sides at its edge.
             inside = 0.5 if y == b else less
             for i in range(count):
-                real[k, first + i] = at[found, i] + inside * (0.5 / b) * constant.real
-                imag[k, first + i] = at[found + 1, i] + inside * (0.5 / b) * constant.imag
+                real[k, first + i] = at[compliance, i] + inside * (0.5 / b) * constant.real
+                imag[k, first + i] = at[compliance + 1, i] + inside * (0.5 / b) * constant.imag
     return real, imag
 
 
@@ -188,8 +188,8 @@ def strip_means(beta, pole, residue, constant, b):
         count = n - first if n - first < STRETCH else STRETCH
         for i in range(STRETCH):
             # The last stretch is filled up with its first wavenumber.
-            own = beta[first + (i if i < count else 0)]
-            square[i] = own * own
+            wavenumber = beta[first + (i if i < count else 0)]
+            square[i] = wavenumber * wavenumber
             total[0, i] = half * constant.real
             total[1, i] = half * constant.imag
         for j in range(pole.shape[0]):

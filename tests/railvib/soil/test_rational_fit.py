@@ -63,7 +63,7 @@ def test_half_space_fit_serves_all_frequencies(horstwalde):
     for frequency in (0.5, 40.0):
         q = ground_flexibility(horstwalde, rho, frequency)
         inside = rho < 0.9 * fit_range(horstwalde, 2.0).largest * frequency / 2.0
-        np.testing.assert_allclose(fit.scaled(frequency / 2.0).flexibility(rho)[inside], q[inside], rtol=1e-7)
+        np.testing.assert_allclose(fit.scale(frequency / 2.0).flexibility(rho)[inside], q[inside], rtol=1e-7)
 
 
 def test_nearly_elastic_and_incompressible_soils():

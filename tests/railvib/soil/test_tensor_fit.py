@@ -62,7 +62,7 @@ def test_start_from_a_neighbour(greby):
 
 @pytest.mark.parametrize("ratio", [1.0, 3.7])
 def test_half_space_needs_one_fit(horstwalde, ratio):
-    fit = fit_tensor(horstwalde, 10.0, largest=3000.0).scaled(ratio)
+    fit = fit_tensor(horstwalde, 10.0, largest=3000.0).scale(ratio)
     assert largest_error(horstwalde, 10.0 * ratio, fit, 3000.0) < 1e-7
 
 
