@@ -25,6 +25,7 @@ LAYERS = {
         {"transfer"},
         {"fe_be", "forces", "plausibility"},
         {"psd"},
+        {"passage"},
         {"stages"},
         {"prediction"},
     ),
@@ -51,7 +52,7 @@ LAYERS = {
 """Rooms and single modules of a package: each imports from layers above its own only."""
 PROGRAM = {"__init__", "__main__", "cli"}
 """Modules that import from all layers."""
-PHYSICS = {"soil", "transfer", "fe_be", "forces", "psd", "prediction"}
+PHYSICS = {"soil", "transfer", "fe_be", "forces", "psd", "passage", "prediction"}
 """Rooms of railvib that sweep does not see; it goes by the stages."""
 NEAR_KERNELS = {Path("sweep/forecast/pilot.py"), Path("sweep/processes/compiling.py")}
 """Modules that measure a kernel, or prepare its cache."""

@@ -27,7 +27,7 @@ _TAIL = 3.0
 Amplitudes are squared, and those of the axles may cancel: so no line deviates by more than three tolerances
 of its neighbours, and no one-third octave by more than one tolerance.
 """
-_LOWEST_HZ = 0.005
+LOWEST_HZ = 0.005
 """Frequency whose forces stand for all below: a free vehicle has no static receptance."""
 
 
@@ -90,7 +90,7 @@ def excitation(
     uncut = unevenness.uncut
 
     def amplitude(beta: np.ndarray) -> np.ndarray:
-        frequency = np.maximum(beta / per_hz, _LOWEST_HZ)
+        frequency = np.maximum(beta / per_hz, LOWEST_HZ)
         phase = axle_phases(train, frequency, speed)
         force = axle_forces(train, moving, frequency, phase)
         return np.asarray(force * phase.conj() * np.sqrt(uncut.psd(frequency * per_hz))[:, None])
