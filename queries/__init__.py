@@ -81,7 +81,7 @@ def open(named: Path | str) -> Results:
 
 
 def after_run(directory: Path | str) -> "Publisher":
-    """Return who publishes the results of a run directory."""
+    """Return the publishers of a run directory."""
     from queries.publisher import Publisher
 
     return Publisher(directory)

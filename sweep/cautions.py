@@ -1,4 +1,4 @@
-"""What is implausible in a study: refused before anything runs, or said once."""
+"""Implausible input of a study: refused before anything runs, or warned of once."""
 
 import warnings
 from collections.abc import Iterator
@@ -31,7 +31,7 @@ def check_plausibility(resolved: Resolved) -> None:
 
 
 def cautions(resolved: Resolved) -> list[str]:
-    """Return what is implausible in a study's input; this takes compiled kernels.
+    """Return warnings about implausible input; this runs compiled kernels.
 
     Where the fastest train outruns waves in ground and track, where the contact of track and ground is not
     passive, and which bands rest on extrapolated unevenness.
@@ -56,7 +56,7 @@ def cautions(resolved: Resolved) -> list[str]:
 
 @contextmanager
 def _collect_warnings(name: str, messages: list[str]) -> Iterator[None]:
-    """Append what is warned of to the messages, under a name."""
+    """Append plausibility warnings to the messages, each under a name."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", PlausibilityWarning)
         yield

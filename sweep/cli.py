@@ -1,6 +1,6 @@
 """The engine's sub-commands: plan, run, status and resume.
 
-What they need is imported when they run, so that asking for help, or for what is done already, stays quick.
+Each imports what it needs when it runs, so that `--help` and finished runs stay quick.
 """
 
 import gc
@@ -23,9 +23,9 @@ STUDY = click.Path(dir_okay=False, path_type=Path)
 DIRECTORY = click.Path(file_okay=False, path_type=Path)
 _RUNS = Path("runs")
 _PLANNED_AT_ONCE = 5000
-"""Cases that are planned before anybody wonders."""
+"""Number of cases above which planning announces how long it will take."""
 _PLANNING_S = 1.2e-3
-"""Per case; measured with two approaches."""
+"""Planning time per case; measured with two approaches."""
 
 STORED = click.option(
     "--store",
@@ -65,10 +65,10 @@ def computing(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--out", type=DIRECTORY, help="Output directory that a run would use. Default: runs/<study>.")
 @STORED
 def plan(study: Path, out: Path | None, store: str | None) -> None:
-    """Show what running STUDY takes: cases, tasks, what is there already, bytes, memory, processor time.
+    """Show what running STUDY takes: cases, tasks, results present, bytes, memory, processor time.
 
-    Processor time and memory are those of this machine, by a pilot of a few seconds, which is remembered. A
-    study that cannot fit is refused.
+    Processor time and memory are for this machine, from a pilot run of a few seconds that is kept. A study
+    that cannot fit is refused.
     """
     from sweep import driver
     from sweep.forecast import estimate
@@ -138,7 +138,7 @@ def status(directory: Path, verify: bool) -> None:
 
 
 def _faults(directory: Path) -> list[str]:
-    """Return what is damaged of all that the latest run in a directory rests on, in a line each."""
+    """Return one line for each damaged result that the latest run in a directory rests on."""
     from sweep import hooks
     from sweep.request import prepare
     from sweep.storage.verify import find_damage
@@ -152,7 +152,7 @@ def _faults(directory: Path) -> list[str]:
 
 @contextmanager
 def _collect_garbage_later() -> Iterator[None]:
-    """Leave garbage alone meanwhile: a fifth of the time to import all that a run needs goes into it."""
+    """Switch off garbage collection meanwhile: it takes a fifth of the time of a run's imports."""
     gc.disable()
     try:
         yield
@@ -162,7 +162,7 @@ def _collect_garbage_later() -> Iterator[None]:
 
 
 def _launch(launch: Mapping[str, Any], directory: Path) -> "Launch":
-    """Return who computes; where there has been no run, workers are made ready while it is planned."""
+    """Return the launch settings; for a first run, start to prepare workers while it is planned."""
     from sweep.storage import records
     from sweep.workers.launch import STAGES, Launch
 
@@ -185,7 +185,7 @@ def _load(path: Path) -> "Resolved":
 
 @contextmanager
 def _cautions() -> Iterator[None]:
-    """Show what is implausible in a request as plain lines, each once."""
+    """Print each plausibility warning once, as a plain line."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", PlausibilityWarning)
         yield
@@ -195,7 +195,7 @@ def _cautions() -> Iterator[None]:
 
 
 def _say(text: str, err: bool = False) -> None:
-    """Print a line that may hold texts from files."""
+    """Print a line that may contain text from files."""
     click.echo(printable(text), err=err)
 
 

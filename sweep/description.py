@@ -1,4 +1,4 @@
-"""What a manifest says of a study's physics, as the results know none."""
+"""Physics that a manifest stores for `queries`, which knows none."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from sweep.study import Resolved
 
 
 def unevenness_bands(resolved: Resolved) -> dict[str, list[dict[str, float]]]:
-    """Return the one-third octaves over wavelength of every unevenness, as far as the study excites them."""
+    """Return the one-third octaves of every unevenness, over the wavelengths that the study excites."""
     study = resolved.study
     speeds = [speed / KMH for speed in study.sweep.speed_kmh]
     shortest, longest = min(speeds) / study.frequency.maximum_hz, max(speeds) / study.frequency.minimum_hz
@@ -31,7 +31,7 @@ def unevenness_bands(resolved: Resolved) -> dict[str, list[dict[str, float]]]:
 
 
 def rayleigh_speeds(resolved: Resolved) -> dict[str, list[float]]:
-    """Return the Rayleigh speed of each layer's material by soil, m/s; the results know no physics."""
+    """Return the Rayleigh speed of each layer's material by soil, m/s."""
     return {
         name: [layer.rayleigh_speed for layer in ground.layers]
         for name, ground in resolved.objects["soil"].items()

@@ -1,4 +1,4 @@
-"""What `run` and `resume` have in common: plan and forecast, hold the directory, compute, publish, end."""
+"""The steps of `run` and `resume`: plan, forecast, lock the directory, compute, publish."""
 
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -25,14 +25,14 @@ from sweep.workers.launch import STAGES, Launch
 
 @dataclass(frozen=True)
 class Prepared:
-    """A request with what it takes, and where it goes.
+    """A planned request with its forecast and its directory.
 
     Attributes
     ----------
     planned
-        What its missing tasks take.
+        Forecast of its missing tasks.
     cautions
-        Waits for what is implausible in the study, and returns it.
+        Waits for the plausibility warnings, and returns them.
     """
 
     request: Request
@@ -42,12 +42,12 @@ class Prepared:
 
 
 def plan(resolved: Resolved, directory: Path, store: str | None, launch: Launch) -> Prepared:
-    """Plan a study and forecast what it takes; implausible input is looked for meanwhile.
+    """Plan a study and forecast what it takes, while another process checks plausibility.
 
     Raises
     ------
     InputError
-        If it cannot be computed, or not there.
+        If the study cannot be computed, or not in this directory.
     """
     request = prepare(resolved, directory, store)
     if not request.plan.tasks:
@@ -59,17 +59,17 @@ def plan(resolved: Resolved, directory: Path, store: str | None, launch: Launch)
 
 
 def forecast(request: Request) -> estimate.Estimate:
-    """Return what a request takes by the rates of this machine."""
+    """Return the forecast of a request at the rates of this machine."""
     return estimate.estimate(request, _rates(request)) if request.plan.tasks else estimate.Estimate()
 
 
 def check_fits(prepared: Prepared, workers: int | None) -> None:
-    """Refuse a request that this machine cannot compute with so many workers, see `estimate.check`.
+    """Refuse a request that does not fit this machine with this many workers; see `estimate.check`.
 
     Raises
     ------
     InputError
-        Naming what is short, and the axis to cut.
+        Names the resource that is too small, and the axis to shorten.
     """
     request = prepared.request
     if request.plan.tasks:
@@ -122,7 +122,7 @@ def drive(prepared: Prepared, launch: Launch, mend: bool = False, only_failed: b
 
 
 def _renew(prepared: Prepared, mend: bool, only_failed: bool) -> Prepared:
-    """Return the request planned anew, after damaged results have been withdrawn, or for failed ones only."""
+    """Plan the request again: after withdrawing damaged results, or for failed ones only."""
     request, directory = prepared.request, prepared.directory
     if mend:
         _withdraw_damage(request, directory)

@@ -1,4 +1,4 @@
-"""The machine, as far as times measured on it can be compared."""
+"""The class of a machine, within which measured times are comparable."""
 
 import contextlib
 import os

@@ -31,7 +31,7 @@ class Canonical(dict[str, Any]):
         return hashlib.sha256(_json(short).encode()).hexdigest()
 
     def __hash__(self) -> int:  # type: ignore[override]
-        """Return the hash of the digest, so that what follows from a table can be remembered."""
+        """Return the hash of the digest, so that results derived from a table can be cached."""
         return hash(self.digest)
 
 
@@ -74,8 +74,8 @@ def canonical(value: Any) -> Any:
 def _canonical_model(model: BaseModel) -> Canonical:
     """Return the canonical form of a frozen model, which many units share.
 
-    By hand, not by model_dump(): aliases with units stay out, and what is absent does not exist here, so that
-    a new optional field leaves the ids of all objects without it as they are.
+    By hand, not by model_dump(): it leaves out aliases with units and absent values, so that a new optional
+    field does not change the ids of objects without it.
     """
     fields = {name: getattr(model, name) for name in type(model).model_fields}
     return Canonical({name: canonical(item) for name, item in fields.items() if item is not None})

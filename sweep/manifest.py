@@ -38,7 +38,7 @@ DONE, FAILED = 0, 1
 
 
 def begin(request: Request, threads: int, planned: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return the manifest of a run that begins: its id is new, and names are in no other identity."""
+    """Return the manifest of a run that begins, under a new id."""
     resolved = request.resolved
     return {
         "schema": records.SCHEMA,
@@ -72,7 +72,7 @@ def begin(request: Request, threads: int, planned: Mapping[str, Any] | None) -> 
 def end(
     manifest: Mapping[str, Any], status: int, tallies: Sequence["Tally"], wall_s: float
 ) -> dict[str, Any]:
-    """Return the manifest of a run that has ended; there is a tally of each plan that it ran."""
+    """Return the manifest of a run that has ended, from the tally of each plan that it ran."""
     measured = {
         "tasks": sum(tally.done + tally.failed for tally in tallies),
         "task_starts": sum(tally.starts for tally in tallies),
@@ -85,7 +85,7 @@ def end(
 
 
 def stands_already(manifest: Mapping[str, Any], directory: Path) -> bool:
-    """Return whether the latest run of a directory asked for the same and got it."""
+    """Return whether the latest run of a directory completed the same request."""
     try:
         latest = records.Run.load(directory)
     except FileNotFoundError:

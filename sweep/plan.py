@@ -1,4 +1,4 @@
-"""From the units that are wanted to the tasks that are missing, in the order in which they can run."""
+"""From the wanted units to the missing tasks, in an order in which they can run."""
 
 import hashlib
 from collections.abc import Iterable, Mapping, Set
@@ -36,7 +36,7 @@ class Plan:
     missing: Set[str] = field(default_factory=frozenset)
 
     def resting_on(self, identities: Set[str]) -> "Plan":
-        """Return the plan without the tasks that no wanted unit needs which rests on one of these units."""
+        """Return the plan restricted to wanted units that rest on one of these units."""
         wanted = {
             other
             for closure in self.closure.values()
@@ -44,7 +44,7 @@ class Plan:
             for other in closure
         }
         keys: set[str] = set()
-        for key in reversed(list(self.tasks)):  # with what a task needs, for whichever of its units
+        for key in reversed(list(self.tasks)):  # backwards, so that what a task needs is kept too
             task = self.tasks[key]
             if key in keys or any(unit.id in wanted for unit in task.units):
                 keys |= {key, *task.after}
@@ -64,7 +64,7 @@ def make(wanted: Iterable[Unit], present: Set[str], complete: bool = False) -> P
     present
         Ids of the units that are done.
     complete
-        Compute again also what only units need that are done.
+        Include missing units that only finished units need.
     """
     needs: dict[str, tuple[str, ...]] = {}
     units: dict[str, Unit] = {}
@@ -76,7 +76,7 @@ def make(wanted: Iterable[Unit], present: Set[str], complete: bool = False) -> P
         for other in needed:
             visit(other)
         needs[unit.id] = tuple(other.id for other in needed)
-        units[unit.id] = unit  # after what it needs: the order is one in which everything can run
+        units[unit.id] = unit  # after its needs, so that this order can be run
 
     roots = list(dict.fromkeys(wanted))
     for unit in roots:
@@ -85,7 +85,7 @@ def make(wanted: Iterable[Unit], present: Set[str], complete: bool = False) -> P
 
     missing: set[str] = set()
     for identity in reversed(units):
-        # Missing is what is wanted itself or needed by something missing, which comes later and is decided.
+        # A unit is missing if it is wanted, or needed by a missing one; those come later and are decided.
         if identity not in present and (complete or identity in closure or identity in missing):
             missing.add(identity)
         if identity in missing:
@@ -136,7 +136,7 @@ def _sort(tasks: Mapping[str, Task]) -> dict[str, Task]:
     Raises
     ------
     ValueError
-        If they go round in a circle, which is an error in how stages are grouped.
+        If tasks depend on each other in a circle: an error in how stages are grouped.
     """
     done: dict[str, Task] = {}
     waiting = dict(tasks)

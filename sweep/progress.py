@@ -1,4 +1,4 @@
-"""What a person sees of a run, and what a program reads of it: a bar or plain lines, and log.jsonl."""
+"""Progress of a run: a bar or plain lines for people, log.jsonl for programs."""
 
 import json
 import sys
@@ -43,7 +43,7 @@ class Log:
         self._file.close()
 
     def write(self, event: str, **facts: Any) -> None:
-        """Append one line and hand it to the system at once, for whoever follows the file."""
+        """Append one line and flush it, so that readers of the file see it at once."""
         line = {
             "time": datetime.now(UTC).isoformat(timespec="milliseconds"),
             "run_id": self.run_id,
@@ -54,7 +54,7 @@ class Log:
 
 
 class Display:
-    """Shows how far the tasks are: a moving bar on a terminal, otherwise a plain line every few seconds."""
+    """Shows progress: a bar on a terminal, otherwise a plain line every few seconds."""
 
     def __init__(self, total: int) -> None:
         self._console = Console(stderr=True)

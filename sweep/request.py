@@ -13,7 +13,7 @@ from sweep.unit import Unit
 from sweep.wanted import spectra_unit
 
 MOST_CASES = 200_000
-"""Of one study; the plan of a case takes some 54 kB of the driver's memory."""
+"""Largest number of cases of a study; each takes some 54 kB of the driver's memory."""
 
 
 @dataclass(frozen=True)
@@ -35,23 +35,23 @@ class Request:
     store: str | None = None
 
     def resting_on(self, identities: Set[str]) -> "Request":
-        """Return the request with a plan for those results only that rest on one of these units."""
+        """Return the request restricted to results that rest on one of these units."""
         return replace(self, plan=self.plan.resting_on(identities))
 
 
 def prepare(resolved: Resolved, directory: Path, store: str | None = None, complete: bool = False) -> Request:
-    """Plan a study against what a directory and a store outside hold already; writes nothing.
+    """Plan a study against the results in a directory and in a shared store; writes nothing.
 
     Parameters
     ----------
     resolved
         The study.
     directory
-        Where its results are or shall be.
+        Its run directory, which may not exist yet.
     store
         Path or address of the store outside; without one, that of the directory's latest run.
     complete
-        Plan also what is missing of what finished results rest on.
+        Also plan missing units that only finished results rest on.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None, compl
 
 
 def check_number(resolved: Resolved) -> None:
-    """Check that a study has not more cases than the driver's memory can plan.
+    """Check that the driver has memory to plan all cases of a study.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def check_number(resolved: Resolved) -> None:
 
 
 def check_directory(directory: Path, name: str) -> None:
-    """Check that a directory is free, or holds earlier runs of the study of this name.
+    """Check that a directory is new, empty or holds earlier runs of this study.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A run from its plan to its manifest: compute what is missing, and say how it went."""
+"""A run from its plan to its manifest: compute what is missing, and record the outcome."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from sweep.running.task import Outcome
 
 REPAIRS = 3
-"""How often a run plans anew because stored results were found damaged."""
+"""How often a run plans again after finding damaged results."""
 
 
 def execute(
@@ -31,22 +31,22 @@ def execute(
     cautions: Callable[[], list[str]] = list,
     near_end: Callable[[], None] = lambda: None,
 ) -> int:
-    """Compute what is missing, and leave the manifest; return the exit status.
+    """Compute what is missing, and write the manifest; return the exit status.
 
     Parameters
     ----------
     request
         The study and its plan.
     directory
-        Where results go; made if missing.
+        Where results go; created if missing.
     launch
         Who computes.
     planned
-        What it will take, for the manifest.
+        The forecast, for the manifest.
     cautions
-        Returns what is implausible in the study, as soon as that is known; shown before the first result.
+        Waits for the plausibility warnings, which are shown before the first result.
     near_end
-        Called when no more tasks are left than can run at once, if there have been more.
+        Called once when the last tasks run, if there were more than can run at once.
     """
     manifest = manifests.begin(request, max(launch.processes, 1), planned)
     if not request.plan.tasks and manifests.stands_already(manifest, directory):
@@ -70,7 +70,7 @@ def execute(
 
 
 class _Reporter:
-    """Tells of every task that has settled: the display, the log, and who waits for a moment of the run."""
+    """Passes each settled task on to the display and the log, and calls `near_end` in time."""
 
     def __init__(
         self,
@@ -89,8 +89,8 @@ class _Reporter:
     def report(
         self, display: Display, size: int, task: plan.Task, outcome: "Outcome", tally: "Tally"
     ) -> None:
-        """Tell of a task that has settled, of workers that run so many at once."""
-        while self._cautions:  # they have been looked for while the first task ran
+        """Report a settled task; `size` tasks can run at once."""
+        while self._cautions:  # they were computed while the first task ran
             for text in self._cautions.pop()():
                 display.warn(text)
         if not self._tallies or self._tallies[-1] is not tally:
@@ -112,7 +112,7 @@ class _Reporter:
 
 
 def _compute(request: Request, directory: Path, launch: Launch, reporter: _Reporter) -> int:
-    """Run the missing tasks, if any; without work there is no cluster, and nothing heavy is imported."""
+    """Run the missing tasks; without any, start no cluster and import nothing heavy."""
     tasks, log = request.plan.tasks, reporter.log
     log.write("planned", cases=len(request.cases), units=len(request.plan.units), tasks=len(tasks), settled=0)
     if not tasks:
@@ -136,7 +136,7 @@ def _compute(request: Request, directory: Path, launch: Launch, reporter: _Repor
         for _ in range(REPAIRS):
             if not tally.damaged:
                 break
-            # A stored result was found damaged and withdrawn: a new plan makes it again.
+            # A damaged result was withdrawn; the new plan computes it again.
             log.write("repairing", tasks=tally.damaged)
             again = prepare(request.resolved, directory, request.store).plan.resting_on(asked)
             tally = scheduler.run(again, place, crew, report)

@@ -1,1 +1,1 @@
-"""What a run will take: rates of this machine, amounts of work, memory and disk."""
+"""Forecast of a run: rates of this machine, amounts of work, memory and disk."""

@@ -1,4 +1,4 @@
-"""What a run will take, told before anything runs, and refused where this machine cannot give it."""
+"""Forecast of a run before it starts; what does not fit this machine is refused."""
 
 import shutil
 from collections import Counter
@@ -15,33 +15,33 @@ from sweep.storage.cache import CACHE_BYTES
 from sweep.unit import Unit, work
 
 MARGIN = 1.15
-"""On the memory that arrays take, for what lies between them."""
+"""Factor on the memory of arrays, for fragmentation."""
 FIRST_BYTES = 16 * 2**20
-"""What a worker that has been idle touches for the first time when it computes, however little that is."""
+"""Memory that an idle worker touches for the first time when it computes anything."""
 CACHE_SHARE = 2
-"""What results that a worker keeps take at most, over their arrays as stored: what is derived stays too."""
+"""Largest memory of a cached result over its stored size: data derived from it is kept too."""
 DATABASE_SHARE = 1.5
-"""Disk that a run takes over that of its arrays: records and the database."""
+"""Disk of a run over that of its arrays: records and the database come on top."""
 LONGEST_S = 365.25 * 86400.0
 """Wall seconds beyond which a run is refused."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """What is missing of a study will take.
+    """Forecast of the missing part of a study.
 
     Attributes
     ----------
     tasks
-        How many there are.
+        Number of missing tasks.
     bytes
-        Of their results in the store.
+        Size of their results in the store.
     peak_memory_bytes
-        Of a worker, at most.
+        Largest memory of a worker.
     cpu_s
         Processor seconds of the workers.
     pilot_s
-        Processor seconds of the pilot that the rates are from.
+        Processor seconds of the pilot that measured the rates.
     """
 
     tasks: int = 0
@@ -57,7 +57,7 @@ class Estimate:
 
 
 def estimate(request: Request, rates: Rates) -> Estimate:
-    """Return what the missing tasks of a request will take on this machine."""
+    """Return the forecast of the missing tasks of a request on this machine."""
     plan = request.plan
     if not plan.tasks:
         return Estimate()
@@ -82,18 +82,18 @@ def check(
     Parameters
     ----------
     request, planned, rates
-        The study, what it takes, and the rates that this rests on.
+        The study, its forecast, and the rates behind it.
     directory
         Where results go.
     workers
-        Processes on this machine that compute; None where others do, of whose memory nothing is known.
+        Processes that compute on this machine; None where other machines do, whose memory is unknown.
     memory
         Of this machine, bytes.
 
     Raises
     ------
     InputError
-        Naming what is short, and the axis to cut.
+        Names the resource that is too small, and the axis to shorten.
     """
     if not planned.tasks:
         return
@@ -128,7 +128,7 @@ def check(
 
 
 def describe(request: Request, planned: Estimate, directory: Path, workers: int | None) -> str:
-    """Return the plan in plain lines: cases, tasks, what is there already, bytes, memory and time."""
+    """Return the plan in plain lines: cases, tasks, results present, bytes, memory and time."""
     study = request.resolved.study
     axes = study.sweep
     counts = [
@@ -167,7 +167,7 @@ def describe(request: Request, planned: Estimate, directory: Path, workers: int 
 
 
 def _sizes(request: Request) -> Counter[type[Stage]]:
-    """Return the bytes that are missing, by stage."""
+    """Return the bytes of missing results, by stage."""
     amounts: Counter[type[Stage]] = Counter()
     for identity in request.plan.missing:
         unit = request.plan.units[identity]
@@ -176,7 +176,7 @@ def _sizes(request: Request) -> Counter[type[Stage]]:
 
 
 def _cpu(request: Request, rates: Rates) -> Counter[type[Stage]]:
-    """Return the processor seconds of what is missing, by stage."""
+    """Return the processor seconds of missing results, by stage."""
     amounts: Counter[type[Stage]] = Counter()
     for task in request.plan.tasks.values():
         amounts[type(task.units[0].stage)] += rates.of(work(task.units))  # type: ignore[assignment]
@@ -184,13 +184,13 @@ def _cpu(request: Request, rates: Rates) -> Counter[type[Stage]]:
 
 
 def _memory(task: tuple[Unit, ...]) -> int:
-    """Estimate what computing a task needs, by its units that need most."""
+    """Estimate the memory of a task from its most demanding units."""
     memory = sorted((unit.stage.memory() for unit in task), reverse=True)
     return sum(memory[: task[0].stage.at_once])
 
 
 def _largest_axis(request: Request, by_stage: Mapping[type[Stage], float]) -> str:
-    """Return the axis without whose values but one the least would be left, with how many it has."""
+    """Return the axis that saves most when cut to one value, with its number of values."""
     study = request.resolved.study
     values: dict[str, Any] = {
         **{name: getattr(study.sweep, name) for name in type(study.sweep).model_fields},
@@ -207,7 +207,7 @@ def _largest_axis(request: Request, by_stage: Mapping[type[Stage], float]) -> st
 
 
 def _hungriest(request: Request) -> str:
-    """Return the axis, and its value, that makes the task which needs most memory what it is."""
+    """Return the axis, and its value, behind the task that needs most memory."""
     task = max(request.plan.tasks.values(), key=lambda task: _memory(task.units))
     stage, resolved = task.units[0].stage, request.resolved
     axis = stage.memory_grows_with()
@@ -222,7 +222,7 @@ def _hungriest(request: Request) -> str:
 
 
 def _nearest(directory: Path) -> Path:
-    """Return the directory, or the nearest one above that exists."""
+    """Return the directory, or its nearest parent that exists."""
     return next(path for path in (directory.absolute(), *directory.absolute().parents) if path.exists())
 
 

@@ -1,4 +1,4 @@
-"""How fast this machine does each sort of work: measured once on a small study, and kept for later plans.
+"""Rates at which this machine works: measured once on a small study, and kept for later plans.
 
 The pilot runs tasks of the product itself in a process set up as a worker, and finds for each sort of task
 the rates at which its processor time follows its amounts of work (`railvib.stages.Work`), by least squares
@@ -49,7 +49,7 @@ _PLACES = 120
 
 @dataclass(frozen=True)
 class Rates:
-    """What a pilot found.
+    """Rates that a pilot measured.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def _load_or_measure(name: str) -> Rates:
     with suppress(OSError, RuntimeError, ValueError, TypeError):
         return Rates(**json.loads((cache_folder() / key).read_bytes()))
     measured = _measure_apart(name)
-    with suppress(OSError, RuntimeError):  # a cache that cannot be written is none
+    with suppress(OSError, RuntimeError):  # an unwritable cache counts as absent
         path = cache_folder() / key
         path.parent.mkdir(parents=True, exist_ok=True)
         temporary = path.with_suffix(f".{os.getpid()}.partial")
@@ -97,7 +97,7 @@ def _load_or_measure(name: str) -> Rates:
 
 
 def cache_folder() -> Path:
-    """Return where a user's programs keep what they can make again.
+    """Return the user's cache folder.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def _key() -> str:
 
 
 def _measure_apart(name: str) -> Rates:
-    """Measure in a process of its own that is as a worker is: forked, or with its environment."""
+    """Measure in a separate process like a worker: forked, or started in a worker's environment."""
     if forks.running():
         measured: Rates = forks.submit(PILOTS[name])()
         return measured
@@ -159,7 +159,7 @@ def measure() -> Rates:
 
 
 def _resident() -> int:
-    """Return the resident memory of this process, with what it shares and has not touched yet if forked."""
+    """Return the resident memory of this process; of a forked one, with the shared part not yet touched."""
     import psutil
 
     this = psutil.Process()
@@ -180,7 +180,7 @@ def measure_fe_be() -> Rates:
     evaluate = model(GroundFits(ground, block, 1e-6 * tolerance), track, [8.0], tolerance)
     beta = np.linspace(0.01, 6.0, _PLACES)
     ks = blocks.indices(block, 0)
-    evaluate(0, int(ks[0]), beta)  # what is made once per block has been made
+    evaluate(0, int(ks[0]), beta)  # builds what is kept per block
     spent = time.process_time()
     for k in ks[1:4]:
         evaluate(0, int(k), beta)
@@ -283,7 +283,7 @@ def _rates(samples: Sequence[_Sample]) -> dict[str, float]:
 
 
 def _fit_rates(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence[float]) -> dict[str, float]:
-    """Return rates, none negative, that come nearest to what tasks took; short ones count as much as long."""
+    """Fit non-negative rates to the times of tasks; short tasks weigh as much as long ones."""
     from scipy.optimize import nnls  # slow to import, and a pilot is rare
 
     amounts = np.array([[sample.work.amounts[name] for name in names] for sample in samples])
@@ -294,7 +294,7 @@ def _fit_rates(names: Sequence[str], samples: Sequence[_Sample], spent: Sequence
 
 
 PILOTS = {"pilot": measure, "pilot-fe-be": measure_fe_be}
-"""What measures rates, by the name under which they are kept."""
+"""Functions that measure rates, by the name under which these are kept."""
 
 if __name__ == "__main__":
     parent.end_with(int(os.environ.get(forks.DRIVER, os.getppid())))

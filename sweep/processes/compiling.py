@@ -1,7 +1,7 @@
-"""Numba's cache: one process of a machine fills it at a time, and not one that computes afterwards.
+"""Numba's cache: one process of a machine fills it at a time, and ends afterwards.
 
-Two that write it at once can crash, and a process that has compiled all kernels keeps some hundreds of
-megabytes that one that loads them never takes.
+Two processes that write it at once can crash. A process that has compiled all kernels keeps hundreds of
+megabytes that a process that loads them never needs.
 """
 
 import fcntl
@@ -24,29 +24,29 @@ _COMPILERS = ("numba", "llvmlite")
 
 
 def kernels_folder() -> Path:
-    """Return where compiled kernels are kept, made if missing.
+    """Return the folder of compiled kernels; create it if missing.
 
     Raises
     ------
     OSError
-        If they cannot be kept.
+        If kernels cannot be kept.
     """
     path = surface_flexibility.stats.cache_path
     if path is None:
-        raise FileNotFoundError("compiled kernels are not kept")
+        raise FileNotFoundError("compiled kernels cannot be cached")
     folder = Path(path)
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
 def load(stages: str) -> None:
-    """Load the kernels of a module's stages; a process forked for it compiles what may not be compiled yet.
+    """Load the kernels of a module's stages; a forked process first compiles those not in the cache.
 
-    To be called where no other thread runs. Where the forked process fails, and where forking is not to be
-    had, kernels are compiled here.
+    Call it while no other thread runs. Where forking fails or is not available, kernels are compiled in this
+    process.
     """
     module = importlib.import_module(stages)
-    with suppress(OSError):  # a cache that cannot be written is none
+    with suppress(OSError):  # an unwritable cache counts as absent
         marker = kernels_folder() / f"{_state(stages)}.compiled"
         if forks.POSSIBLE and not marker.exists():
             with alone():
@@ -64,7 +64,7 @@ def compile_stage(stage: type[Stage]) -> None:
 
 
 def _succeeds_apart(warm_up: Callable[[], None]) -> bool:
-    """Return whether a function returns in a forked process, which keeps to itself why it does not."""
+    """Return whether a function succeeds in a forked process; its errors stay there."""
     this_process = os.getpid()
     process = os.fork()
     if process == 0:
@@ -79,7 +79,7 @@ def _succeeds_apart(warm_up: Callable[[], None]) -> bool:
 
 
 def _state(stages: str) -> str:
-    """Return the digest of all that makes Numba compile anew."""
+    """Return the digest of everything that makes Numba compile again."""
     files = sorted(Path(str(resources.files("railvib"))).rglob("*.py"))
     return identity.digest(
         {
@@ -94,9 +94,9 @@ def _state(stages: str) -> str:
 
 @contextmanager
 def alone() -> Iterator[None]:
-    """Wait until no other process compiles into the cache inside such a block, and keep others waiting."""
+    """Compile into the cache as the only process: wait for others, and keep others waiting."""
     with ExitStack() as stack:
-        with suppress(OSError):  # a cache that cannot be written is none
+        with suppress(OSError):  # an unwritable cache counts as absent
             descriptor = os.open(kernels_folder(), os.O_RDONLY)
             stack.callback(os.close, descriptor)
             fcntl.flock(descriptor, fcntl.LOCK_EX)

@@ -1,8 +1,8 @@
 """One process that has imported everything and loaded the compiled kernels, from which workers are forked.
 
-It gets ready while the driver still plans, and has one thread only, so that forking it is safe. A worker that
-replaces a dead one is there at once, and workers share the memory of what they all need. Only this process
-compiles where nothing is in the cache yet: two that compile into it at once can crash.
+It prepares while the driver plans. It has one thread only, so forking it is safe. A worker that replaces a
+dead one starts at once, and workers share the memory of what they all load. Only this process fills an empty
+cache of kernels: two that compile into it at once can crash.
 
 It ends with the driver, and what is forked from it ends with it. Neither takes Ctrl-C or a hang-up, which a
 terminal sends to all processes: the driver stops them.
@@ -33,19 +33,19 @@ THREADS = {
 }
 """Environment of worker processes; numba and BLAS read it when they are imported."""
 POSSIBLE = sys.platform == "linux"
-"""Whether forking is possible and safe."""
+"""Whether forking is available and safe."""
 _SERVER = "sweep.workers.server"
 """What the process imports; by name only, as workers know this room and not the other way round."""
 _started = False
 
 
 def start(stages: str) -> None:
-    """Start the process, without waiting for it, to load the kernels of a module's stages."""
+    """Start the process, which loads the kernels of a module's stages; do not wait for it."""
     global _started
     if not POSSIBLE:
         return
     with _ignore_hang_up():
-        resource_tracker.ensure_running()  # which would unblock the signals when it is started below
+        resource_tracker.ensure_running()  # started later, it would unblock the signals
     with _environment({**THREADS, STAGES_MODULE: stages, DRIVER: str(os.getpid())}), block_signals():
         forkserver.set_forkserver_preload([_SERVER])
         forkserver.ensure_running()
@@ -56,8 +56,8 @@ def start(stages: str) -> None:
 def _ignore_hang_up() -> Iterator[None]:
     """Let processes started inside the block ignore hang-ups for good, as they do Ctrl-C.
 
-    A resource tracker that a hang-up ends is started anew, knows nothing of what it should release, and
-    prints tracebacks.
+    After a hang-up a resource tracker would be restarted without knowing what to release, and print
+    tracebacks.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -70,14 +70,14 @@ def _ignore_hang_up() -> Iterator[None]:
 
 
 def running() -> bool:
-    """Return whether the process has been started; it may still be getting ready."""
+    """Return whether the process has been started; it may not be ready yet."""
     return _started
 
 
 def submit(function: Callable[..., Result], *arguments: Any) -> Callable[[], Result]:
-    """Call a function in a process forked for it, without waiting; what is returned waits for its result."""
+    """Call a function in a new forked process; the callable that is returned waits for its result."""
     future: Future[Result] = Future()
-    # A thread, as forking takes until the process from which it is done is ready; nobody waits for it to end.
+    # In a thread, because forking waits until the server process is ready.
     threading.Thread(target=_call, args=(future, function, arguments), daemon=True).start()
     return future.result
 
@@ -114,7 +114,7 @@ def _answer(sender: Connection, function: Callable[..., Any], arguments: tuple[A
 
 @contextmanager
 def _environment(variables: Mapping[str, str]) -> Iterator[None]:
-    """Set variables of the environment meanwhile."""
+    """Set environment variables inside the block."""
     before = {name: os.environ.get(name) for name in variables}
     os.environ.update(variables)
     try:
@@ -129,7 +129,7 @@ def _environment(variables: Mapping[str, str]) -> Iterator[None]:
 
 @contextmanager
 def block_signals() -> Iterator[None]:
-    """Let processes started meanwhile take neither Ctrl-C nor a hang-up; what arrives here is kept."""
+    """Shield processes started inside the block from Ctrl-C and hang-ups; ours are delivered afterwards."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
     try:
         yield

@@ -1,4 +1,4 @@
-"""Processes that the system kills when their parent ends, whatever ends that. On Linux only."""
+"""Processes that the system kills when their parent ends, however it ends. On Linux only."""
 
 import ctypes
 import os
@@ -17,12 +17,12 @@ def end_with(parent: int) -> None:
 
 
 def outlive() -> None:
-    """Let this process go on when its parent ends, for it notices that by other means."""
+    """Let this process survive its parent's end, which it notices by other means."""
     _set_death_signal(0)
 
 
 def let_forks_end_with_this_process() -> None:
-    """Let what this process forks end with it, and what that forks end with that."""
+    """Let processes forked from this one end with it, and theirs with them."""
     os.register_at_fork(before=_remember_this_process, after_in_child=lambda: end_with(_forking))
 
 
