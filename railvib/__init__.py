@@ -3,7 +3,7 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-MODEL_VERSION = "4"
+MODEL_VERSION = "5"
 """Version of the physics: enters the identity of all that is computed; grows when a number could change."""
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from benchmarks.sizes import Size
 from railvib import library
 from railvib.numerics.third_octaves import midbands
 from railvib.parameters.units import KMH
-from railvib.psd.spectra import line_step, lines
+from railvib.psd.lines import lines
 from railvib.soil._kernels.strip import strip_compliances
 from railvib.soil.rational_fit import fit_flexibility
 
@@ -134,11 +134,11 @@ def _figures(axis: str, values: Sequence[float], runs: Sequence[Sequence[RunCost
 
 def _marginal(size: Size, values: Sequence[float], runs: Sequence[Sequence[RunCost]]) -> Iterator[Figure]:
     """Yield what one more speed costs each approach, per 1,000 narrow-band lines of it."""
-    length = library.load("train", "grona-taget").length
-    band = midbands(*size.bands_hz)
+    train = library.load("train", "grona-taget")
+    band = tuple(midbands(*size.bands_hz).tolist())
 
     def line_count(number: float) -> int:
-        return sum(lines(band, line_step(length, speed / KMH)).size for speed in speeds_kmh(int(number)))
+        return sum(lines(band, train, speed / KMH).frequency.size for speed in speeds_kmh(int(number)))
 
     added = line_count(values[-1]) - line_count(values[0])
     for approach in runs[0][0].approaches:

@@ -20,6 +20,8 @@ LOWEST = -3
 """First block: below its lower edge, 0.0355 Hz, every response is taken as static."""
 SHIFT = 0.05
 """Decimal logarithm of the edge of block 0 in Hz."""
+_EDGE = 1e-6
+"""Part of a block that a frequency may lie beyond its edge, where bands end at it to rounding."""
 STENCIL = 2 * HALO
 """Points of the interpolation along frequency."""
 
@@ -71,6 +73,27 @@ def halfway_indices(block: int, level: int, number: int) -> np.ndarray:
     return np.asarray(inner[np.linspace(0, inner.size - 1, number).round().astype(int)])
 
 
+def check_coverage(f: np.ndarray, available: Iterable[int]) -> None:
+    """Raise unless frequencies in Hz lie in some of the available blocks, which are neighbours.
+
+    Below the lowest block there is, every response is static.
+
+    Raises
+    ------
+    ValueError
+        If one lies beyond: to extrapolate tables is a fault of whoever chose them.
+    """
+    if not f.size:
+        return
+    first, last = min(available), max(available)
+    ends = PER_DECADE * (np.log10([max(f.min(), 1e-9), max(f.max(), 1e-9)]) - SHIFT)
+    if ends[1] > last + 1 + _EDGE or (ends[0] < first - _EDGE and first > LOWEST):
+        raise ValueError(
+            f"frequencies from {f.min():.6g} to {f.max():.6g} Hz: tables reach from "
+            f"{edges(first)[0]:.6g} to {edges(last)[1]:.6g} Hz"
+        )
+
+
 def nearest_block(f: np.ndarray, available: Iterable[int]) -> np.ndarray:
     """Return the blocks in which frequencies in Hz lie, or the nearest of those available."""
     index = np.floor(PER_DECADE * (np.log10(np.maximum(f, 1e-9)) - SHIFT) + 1e-9)
@@ -80,7 +103,7 @@ def nearest_block(f: np.ndarray, available: Iterable[int]) -> np.ndarray:
 def between(lower: float, upper: float) -> range:
     """Return the blocks that hold the frequencies from `lower` to `upper`, Hz.
 
-    A band that ends at the edge of a block needs no further block: frequencies just beyond are in the halo.
+    A band that ends at the edge of a block needs no further block.
     """
     ends = PER_DECADE * (np.log10([lower, upper]) - SHIFT)
-    return range(max(int(np.floor(ends[0] + 1e-6)), LOWEST), max(int(np.ceil(ends[1] - 1e-6)), LOWEST + 1))
+    return range(max(int(np.floor(ends[0] + _EDGE)), LOWEST), max(int(np.ceil(ends[1] - _EDGE)), LOWEST + 1))

@@ -84,6 +84,7 @@ def _stencils_of_blocks(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return stencils among the rows of blocks that follow one another, as `stencils` does in one."""
     f = np.frombuffer(frequency)
+    blocks.check_coverage(f, block)
     block_of = blocks.nearest_block(f, block)
     first = np.empty(f.size, np.int64)
     weight = np.empty((f.size, STENCIL))

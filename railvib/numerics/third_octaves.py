@@ -69,85 +69,37 @@ def nominal_label(midband: float) -> str:
     return f"{float(NOMINAL[step]) * 10.0**decade:g}"
 
 
-def band_mean_squares(frequency: ArrayLike, psd: ArrayLike, midband: ArrayLike) -> NDArray[np.float64]:
-    """Return the integral of one-sided power spectral densities between the edges of bands.
+def integrate(density: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return integrals of samples with step 1 between the first and the last, (...).
 
     Parameters
     ----------
-    frequency
-        Uniform grid in Hz, shape (F,), at least from the lowest lower edge to the highest upper edge.
-    psd
-        Densities per Hz, shape (..., F), not negative.
-    midband
-        Exact midbands in Hz, shape (B,).
-
-    Returns
-    -------
-    Mean squares, shape (..., B).
-
-    Raises
-    ------
-    InputError
-        If the grid is not uniform, has fewer than 8 samples or does not cover the bands, or the densities do
-        not fit the grid, are negative or not finite.
+    density
+        Samples, at least `STENCIL` of them, not negative, (..., n).
 
     Notes
     -----
-    Each cell between two samples is integrated by the polynomial of degree 7 through its eight nearest
-    samples. It is local on purpose: a spline, or a difference of running integrals, spreads the rounding
-    and ringing of the largest values over a spectrum that spans many decades. Where a band is not
-    resolved, so that this differs from the trapezoidal rule by more than a factor of two, the trapezoidal
-    value stands: it cannot be negative.
+    Each cell is integrated by the polynomial through its `STENCIL` nearest samples. Where the result differs
+    from the trapezoidal rule by more than a factor of two, the samples do not resolve the density, and the
+    trapezoidal value stands: it cannot be negative.
     """
-    grid = np.asarray(frequency, dtype=np.float64)
-    density = np.asarray(psd, dtype=np.float64)
-    middle = np.atleast_1d(np.asarray(midband, dtype=np.float64))
-    step = _uniform_step(grid, density)
-    lower, upper = edges(middle)
-    slack = 1e-9 * step
-    if lower.min() < grid[0] - slack or upper.max() > grid[-1] + slack:
-        raise InputError(
-            f"frequency from {grid[0]:.6g} to {grid[-1]:.6g} Hz: must cover the bands' edges, "
-            f"{lower.min():.6g} to {upper.max():.6g} Hz"
-        )
-    starts, stops = (lower - grid[0]) / step, (upper - grid[0]) / step
-    bounds = tuple(starts.tolist()), tuple(stops.tolist())
-    polynomial = density @ _weights(*bounds, grid.size, STENCIL) * step
-    trapezoidal = density @ _weights(*bounds, grid.size, 2) * step
+    polynomial = density @ _weights(density.shape[-1], STENCIL)
+    trapezoidal = density @ _weights(density.shape[-1], 2)
     resolved = (polynomial > 0.5 * trapezoidal) & (polynomial < 2.0 * trapezoidal)
     return np.where(resolved, polynomial, trapezoidal)
 
 
-def _uniform_step(grid: NDArray[np.float64], density: NDArray[np.float64]) -> float:
-    if grid.ndim != 1 or grid.size < STENCIL:
-        raise InputError(f"frequency of shape {grid.shape}: must be one axis of at least {STENCIL} samples")
-    if density.shape[-1:] != grid.shape:
-        raise InputError(
-            f"psd of shape {density.shape}: its last axis must fit the frequency's {grid.size} samples"
-        )
-    step = float(grid[-1] - grid[0]) / (grid.size - 1)
-    if not step > 0.0 or np.abs(np.diff(grid) - step).max() > 1e-6 * step:
-        raise InputError(f"frequency: must be a uniform ascending grid, here steps are near {step:.6g} Hz")
-    if not np.all(np.isfinite(density)) or np.any(density < 0.0):
-        raise InputError("psd: must be finite and not negative")
-    return step
-
-
-@lru_cache(8)
-def _weights(
-    starts: tuple[float, ...], stops: tuple[float, ...], samples: int, stencil: int
-) -> NDArray[np.float64]:
-    """Return the quadrature weights, shape (sample, band), of intervals given in steps of the grid."""
+@lru_cache(256)
+def _weights(samples: int, stencil: int) -> NDArray[np.float64]:
+    """Return the weights of a quadrature over samples with step 1 by polynomials of a stencil, (samples,)."""
     nodes = np.arange(stencil) - 0.5 * (stencil - 1)  # centred, for the sake of the powers
     powers = np.arange(1, stencil + 1)
     # Integrals of Lagrange's polynomials (columns) as coefficients of t, t², … (rows).
     primitive = np.linalg.inv(np.vander(nodes, increasing=True)) / powers[:, np.newaxis]
-    weights = np.zeros((len(starts), samples))
-    for row, start, stop in zip(weights, starts, stops, strict=True):
-        cells = np.arange(max(math.floor(start), 0), min(math.ceil(stop), samples - 1))
-        first = np.clip(cells - (stencil - 1) // 2, 0, samples - stencil)
-        inner = np.maximum(cells, start) - first + nodes[0]
-        outer = np.minimum(cells + 1, stop) - first + nodes[0]
-        share = (outer[:, np.newaxis] ** powers - inner[:, np.newaxis] ** powers) @ primitive
-        np.add.at(row, first[:, np.newaxis] + np.arange(stencil), share)
-    return np.ascontiguousarray(weights.T)
+    cells = np.arange(samples - 1)
+    first = np.clip(cells - (stencil - 1) // 2, 0, samples - stencil)
+    inner = (cells - first + nodes[0])[:, np.newaxis]
+    share = ((inner + 1.0) ** powers - inner**powers) @ primitive
+    weights = np.zeros(samples)
+    np.add.at(weights, first[:, np.newaxis] + np.arange(stencil), share)
+    return weights

@@ -121,6 +121,11 @@ class Vehicle(Parameters):
         return np.asarray(0.5 * (self.length + from_centre))
 
     @property
+    def suspension_modes(self) -> NDArray[np.complex128]:
+        """Eigenvalues of car and bogies on wheelsets that are held, as `Rake.suspension_modes`, (n,)."""
+        return _suspension_modes(self)
+
+    @property
     def contact_stiffness(self) -> float:
         """Hertz spring of one axle, two wheels in parallel, in N/m."""
         return 2.0 * self.contact_stiffness_per_wheel
@@ -314,6 +319,23 @@ def chain_flexibilities(vehicle: Vehicle, angular_frequency: ArrayLike) -> NDArr
     car_pitch = wheelset + _in_series(primary, bogie + _in_series(secondary, pitching_car))
     bogie_pitch = wheelset + _in_series(primary, pitching_bogie)
     return np.asarray(1.0 / np.stack([bounce, car_pitch, bogie_pitch]))
+
+
+@lru_cache(256)
+def _suspension_modes(vehicle: Vehicle) -> NDArray[np.complex128]:
+    """Return the eigenvalues of a vehicle's chains, see `chain_flexibilities`, that oscillate."""
+    primary = np.array([vehicle.primary_damping, vehicle.primary_stiffness])
+    secondary = 0.5 * np.array([vehicle.secondary_damping, vehicle.secondary_stiffness])
+    bogie = vehicle.bogie_mass / 2.0
+    pitching_bogie = 2.0 * vehicle.bogie_pitch_inertia / vehicle.axle_spacing**2
+    modes = [np.roots([pitching_bogie, *primary])]
+    for car in (vehicle.car_mass / 4.0, vehicle.car_pitch_inertia / vehicle.bogie_spacing**2):
+        # Dynamic stiffnesses as polynomials in s, highest power first.
+        below = np.polyadd([bogie, 0.0, 0.0], np.polyadd(primary, secondary))
+        above = np.polyadd([car, 0.0, 0.0], secondary)
+        modes.append(np.roots(np.polysub(np.polymul(below, above), np.polymul(secondary, secondary))))
+    eigenvalue = np.concatenate(modes)
+    return np.asarray(eigenvalue[eigenvalue.imag > 0.0])
 
 
 def wheelset_receptance(vehicle: Block, angular_frequency: ArrayLike) -> NDArray[np.complex128]:

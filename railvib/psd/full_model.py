@@ -24,6 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railvib import cost
+from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import frequency_interpolation, threads
 from railvib.numerics.vector_math import phasors
 from railvib.numerics.wavenumber_panels import FROM_POWERS, ORDER
@@ -72,6 +73,8 @@ def passage_spectra(
     """
     psd = {receiver: np.empty(frequency.size) for receiver in receivers}
     with cost.stage("passage") as spent:
+        for function in receivers.values():
+            blocks.check_coverage(frequency, function.blocks)
         weights = _Weights(excited, speed, frequency)
         ordered = sorted(receivers, key=_order)
         for first_receiver in range(0, len(ordered), RECEIVERS_AT_ONCE):

@@ -13,7 +13,8 @@ from railvib.numerics.vector_math import phasors
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
-from railvib.transfer.nodes import TOP
+from railvib.transfer.nodes import TOP, largest_wavenumber
+from railvib.transfer.steady_response import steady_response
 from railvib.transfer.table import negligible_beyond
 from railvib.transfer.transfer_function import TransferFunction
 
@@ -35,6 +36,8 @@ class QuasiStatic:
 
 
 def quasi_static_spectra(
+    ground: Ground,
+    track: Track,
     receivers: Mapping[Receiver, TransferFunction],
     axle_position: np.ndarray,
     axle_load: np.ndarray,
@@ -46,6 +49,8 @@ def quasi_static_spectra(
 
     Parameters
     ----------
+    ground, track
+        The ground and the track on it: beyond the tables their response is known in closed form.
     receivers
         The receivers' tabulated transfer functions, taken one by one.
     axle_position, axle_load
@@ -65,23 +70,38 @@ def quasi_static_spectra(
     kappa = 2.0 * np.pi * frequency / speed
     with cost.stage("quasi-static") as spent:
         load = phasors(kappa[:, None] * axle_position) @ axle_load / speed
-        psd = {
-            receiver: np.abs(receivers[receiver].along(frequency, kappa) * load) ** 2
-            * 2.0
-            * speed
-            / train_length
-            for receiver in receivers
-        }
+        psd = {}
+        for receiver in receivers:
+            response = _responses(ground, track, receiver, receivers[receiver], frequency, kappa)
+            psd[receiver] = np.abs(response * load) ** 2 * 2.0 * speed / train_length
         spent.evaluations += frequency.size * len(receivers)
     return psd
 
 
-def highest_quasi_static_frequency(ground: Ground, track: Track, receiver: Receiver, speed: float) -> float:
-    """Return the frequency above which the response to loads at a speed in m/s is negligible, Hz.
+def _responses(
+    ground: Ground,
+    track: Track,
+    receiver: Receiver,
+    function: TransferFunction,
+    frequency: np.ndarray,
+    wavenumber: np.ndarray,
+) -> np.ndarray:
+    """Return H̃ of a receiver, (n,), zero where it is negligible."""
+    tabulated = function.covers(frequency, wavenumber)
+    response = np.zeros(frequency.size, complex)
+    response[tabulated] = function.along(frequency[tabulated], wavenumber[tabulated])
+    if receiver.distance(track.half_width) == 0.0:
+        beyond = ~tabulated
+        response[beyond] = steady_response(ground, track, receiver, frequency[beyond], wavenumber[beyond])
+    return response
 
-    Infinite for loads that a wave can follow, and for receivers at which waves need not travel.
+
+def highest_quasi_static_frequency(ground: Ground, track: Track, receiver: Receiver, speed: float) -> float:
+    """Return the frequency up to which the response to loads at a speed in m/s needs tables, Hz.
+
+    Beyond, it is negligible, or on the track known in closed form; infinite for loads that a wave can follow.
     """
     distance = receiver.distance(track.half_width)
     if TOP * speed >= ground.slowest_speed:
         return np.inf
-    return negligible_beyond(distance) * speed / (2.0 * np.pi)
+    return min(negligible_beyond(distance), largest_wavenumber(track)) * speed / (2.0 * np.pi)

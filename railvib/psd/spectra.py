@@ -14,9 +14,16 @@ from railvib.parameters.approach import Approach
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
+from railvib.psd.lines import Lines, lines
 
-_STEPS_PER_RIPPLE = 8
-_COARSEST_STEP = 0.125
+_INTERPOLATED = 1e-7
+"""Share of a spectrum's largest density that a negative value may have; more is a fault.
+
+Squares are interpolated. Hundreds of wavelengths from the track they fall by orders between the frequencies
+of a table.
+"""
+_NOTHING = 1e-30
+"""Density, (m/s)²/Hz, that a negative value may have in any case: 120 dB below the reference of levels."""
 
 
 @dataclass(frozen=True)
@@ -68,34 +75,6 @@ class Spectra:
     approach: str
 
 
-def line_step(train_length: float, speed: float, refinement: int = 1) -> float:
-    """Return the step of the narrow-band lines, Hz: the largest 2ⁿ or 1.5·2ⁿ up to v/(8L) and 1/8 Hz.
-
-    The spectra ripple with period v/L. Two steps per octave, so that neighbouring speeds share their lines.
-    """
-    largest = min(speed / (_STEPS_PER_RIPPLE * train_length), _COARSEST_STEP)
-    octave = 2.0 ** np.floor(np.log2(largest))
-    return float(1.5 * octave if 1.5 * octave <= largest else octave) / refinement
-
-
-def lines(midband: np.ndarray, step: float) -> np.ndarray:
-    """Return the narrow-band lines that cover some one-third octaves: multiples of a step, Hz."""
-    lower, upper = third_octaves.edges(midband)
-    return np.asarray(step * np.arange(max(np.floor(lower[0] / step) - 2, 1), np.ceil(upper[-1] / step) + 3))
-
-
-def highest_excitation(
-    midband: np.ndarray, largest_wavenumber: float, speed: float, refinement: int = 1
-) -> float:
-    """Return the highest frequency of excitation that the full model counts, Hz.
-
-    That of the largest wavenumber at the highest line; not above 10^(1/2) of it, where no response is left
-    that it could carry.
-    """
-    upper = float(third_octaves.edges(midband)[1][-1])
-    return float(min(upper + largest_wavenumber * speed / (2.0 * np.pi), np.sqrt(10.0) * upper * refinement))
-
-
 @dataclass(frozen=True)
 class Passage:
     """A train over uneven rails at a speed, and the one-third octaves in which its spectra are asked for.
@@ -119,9 +98,14 @@ class Passage:
     refinement: int = 1
 
     @cached_property
+    def lines(self) -> Lines:
+        """The narrow-band lines."""
+        return lines(self.band, self.train, self.speed, self.refinement)
+
+    @property
     def frequency(self) -> np.ndarray:
-        """The narrow-band lines, Hz, (n,)."""
-        return lines(np.asarray(self.band), line_step(self.train.length, self.speed, self.refinement))
+        """Frequencies of the lines, Hz, (n,)."""
+        return self.lines.frequency
 
     @property
     def wavenumber_per_hz(self) -> float:
@@ -169,8 +153,8 @@ def assemble(
     for receiver, psd in quasi_static.items():
         series += _velocities(receiver, f, displacement[receiver], psd)
     with cost.stage("bands"), threads.single():
-        psds = np.array([row.psd for row in series])
-        mean_square = third_octaves.band_mean_squares(f, psds, band)
+        psds = _without_negatives(np.array([row.psd for row in series]))
+        mean_square = passage.lines.mean_squares(psds)
         lower, upper = third_octaves.edges(band)
         per_hz = passage.wavenumber_per_hz
         share = passage.unevenness.extrapolated_share(lower * per_hz, upper * per_hz)
@@ -187,6 +171,12 @@ def assemble(
         offset_m=np.array([row.offset for row in series]),
         approach=approach,
     )
+
+
+def _without_negatives(psds: np.ndarray) -> np.ndarray:
+    """Return densities (series, lines) with zero where interpolation has left a small negative value."""
+    allowed = np.maximum(_INTERPOLATED * psds.max(axis=1, keepdims=True), _NOTHING)
+    return np.where((psds < 0.0) & (psds >= -allowed), 0.0, psds)
 
 
 class _Series(NamedTuple):

@@ -58,6 +58,7 @@ def train_integrals(
     """
     f = np.asarray(frequency, float)
     integral = np.empty((f.size, axle_position.size, axle_position.size), complex)
+    blocks.check_coverage(f, receiver.blocks)
     block_of = blocks.nearest_block(f, receiver.blocks)
     with cost.stage("train integrals") as spent:
         for block in np.unique(block_of):

@@ -11,7 +11,7 @@ from railvib.parameters.approach import Approach
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
-from railvib.psd.spectra import Passage, Spectra, line_step
+from railvib.psd.spectra import Passage, Spectra
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage
 from railvib.stages.quasi_static import QuasiStaticResponse
 from railvib.stages.stage import FLOAT, Load, Scope
@@ -55,18 +55,13 @@ class CaseSpectra(ModelStage):
         return Passage(self.train, self.unevenness, self.speed, self.band, self.refinement)
 
     @property
-    def step(self) -> float:
-        """Step of the narrow-band lines, Hz."""
-        return line_step(self.train.length, self.speed, self.refinement)
-
-    @property
     def quasi_static(self) -> QuasiStaticResponse:
         """The stage of the response to the axle loads."""
         axles = axle_layout(self.train)
         return QuasiStaticResponse(
             receivers=self.receivers,
             band=self.band,
-            step=self.step,
+            intervals=self.passage.lines.intervals,
             speed=self.speed,
             train_length=self.train.length,
             axle_position=axles.position,

@@ -4,14 +4,13 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-import numpy as np
-
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.receiver import Receiver
+from railvib.psd.excitation import highest_excitation
 from railvib.psd.full_model_spectra import full_model_spectra
 from railvib.psd.moving_roughness_spectra import LINES_AT_ONCE
-from railvib.psd.spectra import Spectra, highest_excitation
+from railvib.psd.spectra import Spectra
 from railvib.stages.case_spectra import CaseSpectra, axle_layout
 from railvib.stages.model_stage import blocks_over
 from railvib.stages.moving_transfer import RailMovingTransfer
@@ -36,7 +35,8 @@ class FullModelSpectra(CaseSpectra):
     def highest_excitation(self) -> float:
         """Highest frequency of excitation that counts, Hz."""
         largest = largest_wavenumber(self.track, self.refinement)
-        return highest_excitation(np.asarray(self.band), largest, self.speed, self.refinement)
+        highest_line = float(self.passage.frequency[-1])
+        return highest_excitation(highest_line, largest, self.speed, self.refinement)
 
     @property
     def _excited_blocks(self) -> tuple[int, ...]:

@@ -47,7 +47,7 @@ class MovingRoughnessSpectra(CaseSpectra):
         return ReceiverTrainIntegrals(
             receiver=receiver,
             band=self.band,
-            step=self.step,
+            intervals=self.passage.lines.intervals,
             axle_position=axle_layout(self.train).position,
             **self.model,
         )

@@ -8,8 +8,8 @@ import numpy as np
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import third_octaves
 from railvib.parameters.receiver import Receiver
+from railvib.psd.lines import Lines
 from railvib.psd.quasi_static import QuasiStatic, highest_quasi_static_frequency, quasi_static_spectra
-from railvib.psd.spectra import lines
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage
 from railvib.stages.stage import FLOAT, Load, Scope, Stage
 from railvib.stages.tables import LoadedFunctions, receiver_tables, tables_memory
@@ -25,8 +25,8 @@ class QuasiStaticResponse(ModelStage):
         The receivers.
     band
         One-third octaves that the narrow-band lines cover, exact midband frequencies, Hz.
-    step
-        Step of the lines, Hz.
+    intervals
+        How many parts the lines divide each band into.
     speed
         Of the train, m/s.
     train_length
@@ -39,7 +39,7 @@ class QuasiStaticResponse(ModelStage):
 
     receivers: tuple[AnyReceiver, ...]
     band: Bands
-    step: float
+    intervals: tuple[int, ...]
     speed: float
     train_length: float
     axle_position: tuple[float, ...]
@@ -49,8 +49,11 @@ class QuasiStaticResponse(ModelStage):
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "speed_kmh")
     scope: ClassVar[Scope] = "speed"
 
+    def _frequency(self) -> np.ndarray:
+        return Lines(self.band, self.intervals).frequency
+
     def _tables(self, receiver: Receiver) -> tuple[Stage, ...]:
-        """Return a receiver's tables as far up as something is left of its response."""
+        """Return a receiver's tables as far up as its response needs them."""
         lower, upper = third_octaves.edges(self.band)
         highest = highest_quasi_static_frequency(self.ground, self.track, receiver, self.speed)
         # One block at least: without any, a transfer function cannot return zero.
@@ -63,8 +66,10 @@ class QuasiStaticResponse(ModelStage):
 
     def compute(self, load: Load) -> QuasiStatic:
         """Compute the spectra on the narrow-band lines."""
-        frequency = lines(np.asarray(self.band), self.step)
+        frequency = self._frequency()
         spectra = quasi_static_spectra(
+            self.ground,
+            self.track,
             LoadedFunctions(
                 {receiver: self._tables(receiver) for receiver in self.receivers}, self.track, load
             ),
@@ -78,7 +83,7 @@ class QuasiStaticResponse(ModelStage):
 
     def nbytes(self) -> int:
         """Estimate the spectra."""
-        return lines(np.asarray(self.band), self.step).size * (1 + len(self.receivers)) * FLOAT
+        return self._frequency().size * (1 + len(self.receivers)) * FLOAT
 
     def memory(self) -> int:
         """Estimate what the tables take that are in memory at once."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from railvib import library
 from railvib.parameters.receiver import RAIL
-from railvib.psd.spectra import lines
+from railvib.psd.lines import Lines
 from railvib.psd.train_average import TrainIntegrals, train_integrals
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage, blocks_over
 from railvib.stages.stage import COMPLEX, Load, Stage, Work
@@ -28,15 +28,15 @@ class ReceiverTrainIntegrals(ModelStage):
         The receiver.
     band
         One-third octaves that the lines cover, exact midband frequencies, Hz.
-    step
-        Step of the lines, Hz.
+    intervals
+        How many parts the lines divide each band into.
     axle_position
         Positions of the axles, ascending from 0 at the last one, m.
     """
 
     receiver: AnyReceiver
     band: Bands
-    step: float
+    intervals: tuple[int, ...]
     axle_position: tuple[float, ...]
     name: ClassVar[str] = "train_integrals"
     result: ClassVar[type] = TrainIntegrals
@@ -52,7 +52,7 @@ class ReceiverTrainIntegrals(ModelStage):
         return receiver_tables(self, self.receiver, blocks_over(self.band))
 
     def _frequency(self) -> np.ndarray:
-        return lines(np.asarray(self.band), self.step)
+        return Lines(self.band, self.intervals).frequency
 
     def compute(self, load: Load) -> TrainIntegrals:
         """Integrate."""

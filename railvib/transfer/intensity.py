@@ -45,7 +45,7 @@ def group_by_nodes(
     for receiver, function in receivers.items():
         block_of = blocks.nearest_block(frequency, function.blocks)
         for block in np.unique(block_of):
-            # Tables may end at different blocks, whose halos then serve the frequencies beyond.
+            # Frequencies in a halo belong to the block that has it.
             rows = np.flatnonzero(block_of == block)
             key = int(block), function.blocks[int(block)].nodes, rows.tobytes()
             groups.setdefault(key, []).append(receiver)

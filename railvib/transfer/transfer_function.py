@@ -11,6 +11,7 @@ import numpy as np
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import frequency_interpolation
+from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.track import Track
 from railvib.transfer._kernels.waves import interpolate_with_waves, multiply_by_waves
 from railvib.transfer.interpolate import Tables, interpolate, join
@@ -114,10 +115,18 @@ class TransferFunction:
         np.conjugate(value, out=value, where=omega < 0.0)
         return value
 
+    def covers(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
+        """Return whether pairs of frequency in Hz and wavenumber in rad/m lie in the tables, (n,)."""
+        inside = (frequency >= self.lowest * (1.0 - 1e-9)) & (frequency <= self.highest * (1.0 + 1e-9))
+        largest = {block: table.nodes.largest for block, table in self.blocks.items()}
+        block_of = blocks.nearest_block(frequency, self.blocks)
+        return np.asarray(inside & (np.abs(wavenumber) <= np.vectorize(largest.get)(block_of)))
+
     def along(self, frequency: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
         """Interpolate at one wavenumber per frequency, for any receiver.
 
-        Zero beyond the tables, and where the field is negligible, see `TransferBlock.reach`.
+        Zero beyond the tables' largest wavenumber, and where the field is negligible, see
+        `TransferBlock.reach`.
 
         Parameters
         ----------
@@ -130,8 +139,14 @@ class TransferFunction:
         -------
         ndarray of complex, shape (n,)
             m²/N.
+
+        Raises
+        ------
+        ValueError
+            If a frequency lies beyond the tables.
         """
         beta = np.abs(wavenumber)
+        blocks.check_coverage(frequency, self.blocks)
         block_of = blocks.nearest_block(frequency, self.blocks)
         value = np.zeros(beta.shape, complex)
         for block in np.unique(block_of):
@@ -143,7 +158,8 @@ class TransferFunction:
             first, last = table.nodes.panels(frequency[inside], beta[inside])
             if 2 * (last + 1 - first) < table.nodes.panel_count:
                 table = table.part(first, last)
-            value[inside] = _at_points(table, self.track, frequency[inside], beta[inside])
+            points = _at_points(table, self.track, frequency[inside], beta[inside])
+            value[inside] = points * _excess(table, frequency[inside], beta[inside], np.abs(points))
         return value
 
 
@@ -168,6 +184,24 @@ def _at_points(
         return np.asarray(value).view(complex)
 
     return _transfer(table, track, frequency, wavenumber[:, None], to_places, with_waves)[:, 0]
+
+
+def _excess(
+    table: TransferBlock, frequency: np.ndarray, wavenumber: np.ndarray, size: np.ndarray
+) -> np.ndarray:
+    """Return by what to multiply interpolated values so that none exceeds the values around it, (n,).
+
+    Where no wave travels a field falls with wavenumber. Far from the track it falls so fast that the rounding
+    of its smallest values, from which the decay is taken out, would return larger than its largest.
+    """
+    first, _weight = frequency_interpolation.stencils(table.block, table.level, frequency)
+    edge = table.nodes.panel_edges(frequency)
+    panel = np.clip((edge < wavenumber[:, None]).sum(axis=1) - 1, 0, table.nodes.panel_count - 1)
+    rows = first[:, None, None] + np.arange(blocks.STENCIL)[:, None]
+    nodes = np.maximum(ORDER * panel[:, None] + np.arange(-ORDER, ORDER), 0)[:, None, :]
+    largest = np.abs(table.transfer[rows, nodes]).max(axis=(1, 2))
+    falls = wavenumber > 2.0 * np.pi * frequency * table.nodes.top_slowness
+    return np.where(falls & (size > largest), largest / np.maximum(size, np.finfo(float).tiny), 1.0)
 
 
 def _transfer(

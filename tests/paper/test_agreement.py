@@ -7,6 +7,7 @@ import railvib
 from railvib import library
 from railvib.numerics import third_octaves
 from railvib.parameters.units import KMH
+from railvib.psd.lines import Lines
 from railvib.stages import stage_of
 from sweep.storage import records, store
 from sweep.unit import unit_of
@@ -91,6 +92,10 @@ def test_database_and_stored_lines_summed_into_bands_agree(results, run_director
     place = list(zip(attributes["receiver"], attributes["contribution"], strict=True)).index(
         ("rail", "dynamic")
     )
-    summed = third_octaves.band_mean_squares(arrays["frequency"], arrays["psd"][place], arrays["band"])
+    lower, upper = third_octaves.edges(arrays["band"])
+    edges = [np.abs(arrays["frequency"] - edge).argmin() for edge in (*lower, upper[-1])]
+    on_lines = Lines(tuple(arrays["band"]), tuple(np.diff(edges).tolist()))
+    np.testing.assert_allclose(on_lines.frequency, arrays["frequency"], rtol=1e-12)
+    summed = on_lines.mean_squares(arrays["psd"][place])
     found = in_database(results, approach, "dynamic", "rail", None)
     np.testing.assert_allclose(found, summed, rtol=TOLERANCE)

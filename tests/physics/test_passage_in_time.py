@@ -228,7 +228,6 @@ def test_constant_axle_loads(soft, track, single, functions):
     )  # 2.7 to 10 Hz: beyond, the near field of constant loads has died out
     f = FREQUENCY_STEP * row
     expected = 2.0 * np.abs(spectrum_of(u.real)[row]) ** 2 * SPEED / single.length
-    psd = quasi_static_spectra(functions, single.axle_positions, single.axle_loads, single.length, SPEED, f)[
-        RECEIVER
-    ]
+    axles = single.axle_positions, single.axle_loads
+    psd = quasi_static_spectra(soft, track, functions, *axles, single.length, SPEED, f)[RECEIVER]
     np.testing.assert_allclose(psd, expected, rtol=1e-4)

@@ -64,3 +64,12 @@ def test_blocks_without_halos_hold_every_frequency_once(level):
     assert f[0][0] == pytest.approx(lower)
     assert f[0][-1] < f[1][0] == pytest.approx(blocks.edges(0)[1])
     np.testing.assert_allclose(np.diff(np.log10([*f[0], *f[1], upper])), 0.02 / 2**level)
+
+
+def test_frequencies_beyond_the_tables_are_a_fault():
+    blocks.check_coverage(np.array([1.0, blocks.edges(1)[1]]), range(-1, 2))
+    blocks.check_coverage(np.array([1e-4, 1.0]), range(blocks.LOWEST, 2))  # static below the lowest block
+    blocks.check_coverage(np.array([]), range(2))
+    for beyond in (blocks.edges(1)[1] * 1.001, blocks.edges(-1)[0] * 0.999):
+        with pytest.raises(ValueError, match="tables reach from"):
+            blocks.check_coverage(np.array([beyond]), range(-1, 2))

@@ -7,7 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railvib.errors import InputError, PlausibilityWarning
-from railvib.parameters.vehicle import Train, Vehicle, train_receptance, wheelset_receptance
+from railvib.parameters.vehicle import (
+    Train,
+    Vehicle,
+    train_receptance,
+    wheelset_receptance,
+)
 
 # Section 4 of the paper.
 REGINA = {
@@ -93,6 +98,26 @@ def test_natural_frequencies():
         above = np.linalg.eigvalsh(wheelset_receptance(vehicle, each * (1 + 1e-7)).real)
         assert below.max() > 100 * abs(wheelset_receptance(vehicle, each * 1.01)).max()
         assert above.min() < -100 * abs(wheelset_receptance(vehicle, each * 1.01)).max()
+
+
+@pytest.mark.parametrize("changes", [{}, {"secondary_damping": 0.0}, {"primary_damping": 400e3}])
+def test_modes_on_held_wheelsets(changes):
+    """Those of the matrix model without its wheelsets, as far as they oscillate."""
+    vehicle = regina(**changes)
+    mass, stiffness, damping = (matrix[:6, :6] for matrix in matrices(vehicle))
+    state = np.block(
+        [
+            [np.zeros((6, 6)), np.eye(6)],
+            [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)],
+        ]
+    )
+    eigenvalue = np.linalg.eigvals(state)
+    oscillating = eigenvalue[eigenvalue.imag > 1e-6]
+    modes = vehicle.suspension_modes
+    for mode in modes:
+        assert np.abs(oscillating - mode).min() < 1e-6 * np.abs(mode)
+    for mode in oscillating:  # the two bogies pitch alike
+        assert np.abs(modes - mode).min() < 1e-6 * np.abs(mode)
 
 
 @settings(deadline=None, max_examples=60)

@@ -15,7 +15,7 @@ from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
 from railvib.psd.excitation import excitation, resolve
 from railvib.psd.full_model import passage_spectra
-from railvib.psd.spectra import line_step, lines
+from railvib.psd.lines import lines
 
 ALPHA = np.array([-9.0, 0.0, 14.0])
 SPEED = 150.0 / KMH
@@ -107,7 +107,8 @@ def test_tolerance_is_kept_in_lines_and_bands(kmh, track, tables, train):
     functions = tables(soft, track, range(-3, 5), (RAIL, Receiver(8.0)), 1e-4)
     moving = tabulate_receptances(functions[RAIL], track, speed, axle_distances(train), range(-3, 3))
     midband = third_octaves.midbands(2.0, 8.0)
-    f = lines(midband, line_step(train.length, speed))
+    on_lines = lines(tuple(midband), train, speed)
+    f = on_lines.frequency
 
     def passage(tolerance):
         excited = excitation(train, moving, ROUGH, speed, 30.0, tolerance)
@@ -118,7 +119,7 @@ def test_tolerance_is_kept_in_lines_and_bands(kmh, track, tables, train):
         around = maximum_filter1d(exact[receiver], 17)  # a ripple's period holds eight lines at least
         assert np.all(np.abs(usual[receiver] - exact[receiver]) < 3e-4 * around)
         np.testing.assert_allclose(
-            third_octaves.band_mean_squares(f, usual[receiver], midband),
-            third_octaves.band_mean_squares(f, exact[receiver], midband),
+            on_lines.mean_squares(usual[receiver]),
+            on_lines.mean_squares(exact[receiver]),
             rtol=1e-4,
         )
