@@ -155,6 +155,8 @@ def predict(
     xarray.Dataset
         ``velocity_psd`` and ``velocity_mean_square`` over (approach, contribution, receiver, frequency or
         band), ``force_psd`` and ``force_mean_square`` over (approach, axle, …), in SI units; axle 1 leads.
+        Where wheels are out of round, contributions include ``rails`` and ``wheels``, the parts of
+        ``dynamic``.
 
     Raises
     ------
@@ -214,16 +216,18 @@ def _dataset(spectra: Sequence[Spectra], receivers: Sequence[Receiver], averagin
     import xarray
 
     first = spectra[0]
-    force = first.quantity == "wheel_rail_force"
+    force = _forces(first)
+    parts = ("rails", "wheels") if "wheels" in first.contribution else ()
+    contributions = (*_CONTRIBUTIONS, *parts)
 
     def velocities(values: str) -> list[list[np.ndarray]]:
         return [
-            [getattr(each, values)[_rows(each, name, averaging)] for name in _CONTRIBUTIONS]
+            [getattr(each, values)[_rows(each, name, averaging)] for name in contributions]
             for each in spectra
         ]
 
     def forces(values: str) -> list[np.ndarray]:
-        return [getattr(each, values)[each.quantity == "wheel_rail_force"] for each in spectra]
+        return [getattr(each, values)[_forces(each)] for each in spectra]
 
     by_receiver, by_axle = ("approach", "contribution", "receiver"), ("approach", "axle")
     return xarray.Dataset(
@@ -236,7 +240,7 @@ def _dataset(spectra: Sequence[Spectra], receivers: Sequence[Receiver], averagin
         },
         coords={
             "approach": [each.approach for each in spectra],
-            "contribution": list(_CONTRIBUTIONS),
+            "contribution": list(contributions),
             "receiver": [receiver.title for receiver in receivers],
             "offset": ("receiver", [receiver.offset_m for receiver in receivers], {"unit": "m"}),
             "axle": [int(name.removeprefix("axle-")) for name in first.receiver[force]],
@@ -245,6 +249,11 @@ def _dataset(spectra: Sequence[Spectra], receivers: Sequence[Receiver], averagin
         },
         attrs={"averaging": averaging},
     ).sortby("axle")
+
+
+def _forces(spectra: Spectra) -> np.ndarray:
+    """Return which series are wheel–rail forces, of rails and wheels together."""
+    return np.asarray((spectra.quantity == "wheel_rail_force") & (spectra.contribution == "dynamic"))
 
 
 def _rows(spectra: Spectra, contribution: str, averaging: str) -> np.ndarray:

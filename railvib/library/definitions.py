@@ -12,6 +12,7 @@ from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.validation import Parameters, keys, shown, validated, warn, without_cautions
 from railvib.parameters.vehicle import LARGEST_TRAIN, Train, Vehicle
+from railvib.parameters.wheel_roughness import WheelRoughness
 
 Definition = Mapping[str, Any] | Sequence[Any]
 """What a study or the library says of one thing: its parameters; of a train also a list of its vehicles."""
@@ -154,7 +155,7 @@ def resolve_train(
     definition
         One group ``{vehicle = "regina", number = 4}``, a list of groups, or ``{vehicles = [groups]}``. The
         vehicle of a group is a name or a table of parameters; these may also stand in the group itself, and a
-        bare name is a group of one.
+        bare name is a group of one. ``wheel_roughness`` beside a vehicle gives its wheels another roughness.
     vehicles
         Definitions of vehicles by name; they stand before the library's.
     where
@@ -214,10 +215,18 @@ def _vehicle(table: Mapping[str, Any], vehicles: Mapping[str, Definition], where
     """Return the vehicle of a group: a name, parameters below ``vehicle``, or parameters themselves."""
     definition: Any = table
     if "vehicle" in table:
-        if len(table) > 1:
+        foreign = set(table) - {"vehicle", "wheel_roughness"}
+        if foreign:
             raise InputError(
-                f"{where}.{min(set(table) - {'vehicle'})}: unknown key beside vehicle and number"
+                f"{where}.{min(foreign)}: unknown key beside vehicle, number and wheel_roughness"
             )
+        if "wheel_roughness" in table:
+            wheels = table["wheel_roughness"]
+            if not isinstance(wheels, Mapping):
+                raise InputError(f"{where}.wheel_roughness = {shown(wheels)}: must be a table of parameters")
+            roughness = validated(WheelRoughness, wheels, f"{where}.wheel_roughness")
+            smooth = _vehicle({"vehicle": table["vehicle"]}, vehicles, where)
+            return smooth.model_copy(update={"wheel_roughness": roughness})
         definition, where = table["vehicle"], f"{where}.vehicle"
     if isinstance(definition, str):
         name = definition

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from railvib.errors import InputError
 from railvib.parameters.validation import Number, Parameters
+from railvib.parameters.wheel_roughness import WheelRoughness
 
 MOST_AXLES = 32
 """Axles of one vehicle."""
@@ -114,6 +115,8 @@ class CompositeVehicle(Parameters):
     """Axles under the car itself."""
     support: Support | None = Field(default=None, alias="on_vehicle_ahead")
     """Where the car stands on the vehicle ahead, in an articulated train."""
+    wheel_roughness: WheelRoughness | None = None
+    """Roughness of each wheelset, independent of the others; smooth wheels if not given."""
 
     @model_validator(mode="after")
     def _stands_on_something(self) -> Self:

@@ -16,8 +16,10 @@ from pydantic import Field, model_validator
 from railvib.errors import InputError
 from railvib.parameters.composite_vehicle import CompositeVehicle
 from railvib.parameters.rake import Rake
+from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import GRAVITY
 from railvib.parameters.validation import Number, Parameters, warn
+from railvib.parameters.wheel_roughness import WheelRoughness
 
 AXLES = 4
 """Wheelsets of one vehicle."""
@@ -83,6 +85,8 @@ class Vehicle(Parameters):
     """Static load of one axle on the track, N."""
     contact_stiffness_per_wheel: Number = Field(alias="contact_stiffness_per_wheel_n_m", ge=1e5, le=1e13)
     """Linearised Hertz spring of one wheel on its rail, N/m; an axle has two."""
+    wheel_roughness: WheelRoughness | None = None
+    """Roughness of each wheelset, independent of the others; smooth wheels if not given."""
 
     @model_validator(mode="after")
     def _geometry_is_consistent(self) -> Self:
@@ -243,6 +247,20 @@ class Train(Parameters):
             numbers.append(first + own)
             first += len(block.vehicles) if isinstance(block, Rake) else 1
         return np.concatenate(numbers[::-1])
+
+    @property
+    def wheel_spectra(self) -> tuple[Unevenness | None, ...]:
+        """Roughness of every axle's wheels, None where they are smooth, in the order of `axle_positions`."""
+        rough = [vehicle.wheel_roughness for vehicle in self.vehicles]
+        return tuple(
+            None if roughness is None else roughness.spectrum
+            for roughness in (rough[number - 1] for number in self.axle_vehicles)
+        )
+
+    @property
+    def has_rough_wheels(self) -> bool:
+        """Whether any wheelset is out of round."""
+        return any(vehicle.wheel_roughness is not None for vehicle in self.vehicles)
 
     @property
     def axle_loads(self) -> NDArray[np.float64]:

@@ -7,13 +7,13 @@ panels of β, which are halved until the last terms of the series are small.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from railvib.forces.receptance import Receptances
-from railvib.forces.wheel_rail import axle_forces, axle_phases
+from railvib.forces.wheel_rail import axle_forces, axle_phases, force_matrices
 from railvib.numerics.refinement import Panels, divide, halve
 from railvib.numerics.wavenumber_panels import ORDER, TO_POWERS, nodes_between, to_legendre
 from railvib.parameters.unevenness import Unevenness
@@ -123,6 +123,59 @@ def excitation(
     shortest, longest = unevenness.cut_offs
     ends = (2.0 * np.pi / longest, 2.0 * np.pi / shortest if shortest > 0.0 else np.inf)
     return resolve(amplitude, maximum_frequency * per_hz, train.axle_positions, ends, tolerance, refinement)
+
+
+def wheel_excitations(
+    train: Train,
+    moving: Receptances,
+    speed: float,
+    maximum_frequency: float,
+    tolerance: float = 1e-4,
+    refinement: int = 1,
+) -> list[Excitation]:
+    """Return the forces of the full model by the roughness of each wheelset alone.
+
+    Parameters
+    ----------
+    train, moving, speed, maximum_frequency, tolerance, refinement
+        As in `excitation`.
+
+    Returns
+    -------
+    list of Excitation
+        One per wheelset that is out of round, q_l(β) e^{iβα_p} = P_l(βv) e^{−iβ(α_l − α_p)} √S_r of roughness
+        under the wheels of axle p. The excitations are independent of each other.
+    """
+    per_hz = 2.0 * np.pi / speed
+    spectra = train.wheel_spectra
+    excitations: list[Excitation] = []
+    for spectrum in dict.fromkeys(each for each in spectra if each is not None):
+        shortest, longest = spectrum.cut_offs
+        ends = (2.0 * np.pi / longest, 2.0 * np.pi / shortest if shortest > 0.0 else np.inf)
+        rough = np.array([axle for axle, each in enumerate(spectra) if each == spectrum])
+
+        def amplitude(
+            beta: np.ndarray,
+            uncut: Unevenness = spectrum.uncut,
+            ends: tuple[float, float] = ends,
+            rough: np.ndarray = rough,
+        ) -> np.ndarray:
+            frequency = np.maximum(beta / per_hz, _LOWEST_HZ)
+            phase = axle_phases(train, frequency, speed)
+            force = force_matrices(train, moving, frequency)[:, :, rough]
+            force = force * phase.conj()[:, :, None] * phase[:, None, rough]
+            # Beyond the cut-offs nothing counts, so that any smooth continuation will do.
+            density = uncut.psd(np.clip(beta, *ends))
+            return np.asarray(force * np.sqrt(density)[:, None, None]).reshape(beta.size, -1)
+
+        joint = resolve(
+            amplitude, maximum_frequency * per_hz, train.axle_positions, ends, tolerance, refinement
+        )
+        sets = joint.series.reshape(train.axle_count, rough.size, *joint.series.shape[1:])
+        excitations += [
+            replace(joint, series=np.ascontiguousarray(sets[:, number])) for number in range(rough.size)
+        ]
+    return excitations
 
 
 def resolve(

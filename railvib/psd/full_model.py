@@ -18,7 +18,7 @@ nodes. The weights follow from the excitation alone: receivers whose tables shar
 weights.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +46,7 @@ RECEIVERS_AT_ONCE = 8
 @threads.single()
 def passage_spectra(
     receivers: Mapping[Receiver, TransferFunction],
-    excited: Excitation,
+    excited: Excitation | Sequence[Excitation],
     train_length: float,
     speed: float,
     frequency: np.ndarray,
@@ -58,7 +58,7 @@ def passage_spectra(
     receivers
         The receivers' tabulated transfer functions, taken some at a time.
     excited
-        The forces, from `excitation`.
+        The forces, from `excitation`, or several sets that are independent of each other.
     train_length
         L, m; the passage takes T = L/v.
     speed
@@ -75,7 +75,8 @@ def passage_spectra(
     with cost.stage("passage") as spent:
         for function in receivers.values():
             blocks.check_coverage(frequency, function.blocks)
-        weights = _Weights(excited, speed, frequency)
+        independent = (excited,) if isinstance(excited, Excitation) else tuple(excited)
+        weights = _Weights(independent, speed, frequency)
         ordered = sorted(receivers, key=_order)
         for first_receiver in range(0, len(ordered), RECEIVERS_AT_ONCE):
             groups = _groups(
@@ -147,18 +148,20 @@ class _Weights:
 
     Parameters
     ----------
-    excited, speed, frequency
+    excited
+        Sets of forces that are independent of each other.
+    speed, frequency
         As for `passage_spectra`.
     """
 
-    def __init__(self, excited: Excitation, speed: float, frequency: np.ndarray) -> None:
+    def __init__(self, excited: Sequence[Excitation], speed: float, frequency: np.ndarray) -> None:
         self._excited = excited
         self._speed = speed
         self._frequency = frequency
         self._weights: dict[tuple[Nodes, bytes], tuple[np.ndarray, np.ndarray]] = {}
         """By nodes and lines: at which panels weights are known, and the weights."""
-        self._amplitude: tuple[int, np.ndarray] | None = None
-        """First line and parts of A, for the last lines asked for."""
+        self._amplitude: tuple[tuple[int, int], np.ndarray] | None = None
+        """First line, number of the set, and parts of A, for the last ones asked for."""
 
     def discard_all_but(self, nodes: Collection[Nodes]) -> None:
         """Discard all weights but those of some nodes."""
@@ -185,16 +188,19 @@ class _Weights:
         if missing.any():
             moment = np.zeros(weight.shape)
             first = int(lines[0]) // _LINES_AT_ONCE * _LINES_AT_ONCE
-            moments(
-                nodes.panel_edges(self._frequency[lines]),
-                missing,
-                2.0 * np.pi * self._frequency[lines] / self._speed,
-                self._amplitude_parts(first),
-                lines - first,
-                self._excited.edge,
-                *self._excited.wavenumbers,
-                moment,
-            )
+            for number, excited in enumerate(self._excited):
+                part = np.zeros(weight.shape)
+                moments(
+                    nodes.panel_edges(self._frequency[lines]),
+                    missing,
+                    2.0 * np.pi * self._frequency[lines] / self._speed,
+                    self._amplitude_parts(first, number),
+                    lines - first,
+                    excited.edge,
+                    *excited.wavenumbers,
+                    part,
+                )
+                moment += part
             # All together: the last digits of a product may depend on its number of rows.
             computed = (moment.reshape(-1, ORDER) @ FROM_POWERS).reshape(moment.shape)
             if known.any():
@@ -204,12 +210,13 @@ class _Weights:
             known |= missing
         return weight
 
-    def _amplitude_parts(self, first: int) -> np.ndarray:
-        """Return the parts of A for the lines from one on; receivers with other nodes need them too."""
-        if self._amplitude is None or self._amplitude[0] != first:
+    def _amplitude_parts(self, first: int, number: int) -> np.ndarray:
+        """Return the parts of A of a set of forces for the lines from one on, which several nodes need."""
+        if self._amplitude is None or self._amplitude[0] != (first, number):
+            excited = self._excited[number]
             f = self._frequency[first : first + _LINES_AT_ONCE]
-            phase = phasors(2.0 * np.pi / self._speed * f[:, None] * self._excited.axle_position)
-            self._amplitude = first, self._excited.amplitude_parts(phase)
+            phase = phasors(2.0 * np.pi / self._speed * f[:, None] * excited.axle_position)
+            self._amplitude = (first, number), excited.amplitude_parts(phase)
         return self._amplitude[1]
 
 

@@ -6,12 +6,15 @@ import numpy as np
 
 from railvib import cost
 from railvib.forces.receptance import Receptances
-from railvib.forces.wheel_rail import axle_forces
+from railvib.forces.wheel_rail import AxleEquations, axle_forces
 from railvib.parameters.receiver import Receiver
-from railvib.psd.excitation import excitation
+from railvib.psd.excitation import excitation, wheel_excitations
 from railvib.psd.full_model import passage_spectra
-from railvib.psd.spectra import Passage, Spectra, assemble
+from railvib.psd.spectra import Passage, Spectra, WheelShare, assemble
 from railvib.transfer.transfer_function import TransferFunction
+
+_LINES_AT_ONCE = 128
+"""Lines whose matrices of axles are in memory at once."""
 
 
 def full_model_spectra(
@@ -45,4 +48,22 @@ def full_model_spectra(
         excited = excitation(train, rail, passage.unevenness, speed, highest, tolerance, passage.refinement)
     psd = passage_spectra(receivers, excited, train.length, speed, f)
     displacement = {receiver: {"line": values} for receiver, values in psd.items()}
-    return assemble("full", passage, force, displacement, quasi_static)
+    wheels = None
+    if train.has_rough_wheels:
+        with cost.stage("excitation"):
+            rough = wheel_excitations(train, rail, speed, highest, tolerance, passage.refinement)
+        psd = passage_spectra(receivers, rough, train.length, speed, f)
+        from_wheels = {receiver: {"line": values} for receiver, values in psd.items()}
+        wheels = WheelShare(_wheel_forces(passage, rail), from_wheels)
+    return assemble("full", passage, force, displacement, quasi_static, wheels)
+
+
+def _wheel_forces(passage: Passage, rail: Receptances) -> np.ndarray:
+    """Return one-sided PSDs of the forces by the wheels' roughness, N²/Hz, (lines, axles)."""
+    equations = AxleEquations(passage.train, rail, passage.frequency)
+    rough = passage.wheel_psd
+    force = np.empty(rough.shape)
+    for start in range(0, len(force), _LINES_AT_ONCE):
+        rows = slice(start, start + _LINES_AT_ONCE)
+        force[rows] = np.einsum("lap,lp->la", np.abs(equations.matrices(rows)) ** 2, rough[rows])
+    return force

@@ -1,6 +1,6 @@
 """Spectra of a case by moving roughness: the roughness is pulled through under a standing train."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from railvib.parameters.approach import Approach
 from railvib.parameters.receiver import Receiver
 from railvib.psd.line_integrals import LineIntegrals
 from railvib.psd.moving_roughness import axle_pairs, force_products, line_means, products
-from railvib.psd.spectra import Passage, Spectra, assemble
+from railvib.psd.spectra import Passage, Spectra, WheelShare, assemble
 from railvib.psd.train_average import TrainIntegrals
 
 LINES_AT_ONCE = 128
@@ -55,7 +55,39 @@ def moving_roughness_spectra(
         }
         for receiver, by_averaging in means.items()
     }
-    return assemble(approach, passage, force, displacement, quasi_static)
+    wheels = None
+    if passage.train.has_rough_wheels:
+        wheels = _wheel_share(passage, rail, integrals, over_train)
+    return assemble(approach, passage, force, displacement, quasi_static, wheels)
+
+
+def _wheel_share(
+    passage: Passage,
+    rail: Receptances,
+    integrals: Mapping[Receiver, LineIntegrals],
+    over_train: Mapping[Receiver, TrainIntegrals],
+) -> WheelShare:
+    """Return what comes from the wheels: as Eq. 28, each axle's roughness alone, with a PSD of its own."""
+    train, frequency, rough = passage.train, passage.frequency, passage.wheel_psd
+    (axles,) = np.nonzero(rough.any(axis=0))
+    force = np.empty(rough.shape)
+    parts: list[Means] = []
+    with cost.stage("line average"):
+        distance = next(iter(integrals.values())).grid.distance
+        on_lines = {receiver: integral.at(frequency) for receiver, integral in integrals.items()}
+    equations = AxleEquations(train, rail, frequency)
+    for start in range(0, frequency.size, LINES_AT_ONCE):
+        rows = slice(start, start + LINES_AT_ONCE)
+        sets = equations.matrices(rows)[:, :, axles] * np.sqrt(rough[rows, None, axles])
+        with cost.stage("line average"):
+            parts.append(_means(train.axle_positions, sets, rows, distance, on_lines, over_train))
+        floats = np.ascontiguousarray(sets).view(float)
+        force[rows] = np.einsum("lan,lan->la", floats, floats)
+    displacement = {
+        receiver: {averaging: mean / train.length for averaging, mean in by_averaging.items()}
+        for receiver, by_averaging in _join(parts).items()
+    }
+    return WheelShare(force, displacement)
 
 
 def _standing(
@@ -94,11 +126,15 @@ def _standing(
                 parts.append(_means(position, sets, rows, distance, on_lines, over_train))
         floats = np.ascontiguousarray(sets).view(float)
         force[rows] = np.einsum("lan,lan->la", floats, floats)
-    means = {
+    return force, _join(parts)
+
+
+def _join(parts: Sequence[Means]) -> Means:
+    """Return the means on all lines, from those on some at a time."""
+    return {
         receiver: {name: np.concatenate([part[receiver][name] for part in parts]) for name in by_averaging}
         for receiver, by_averaging in parts[0].items()
     }
-    return force, means
 
 
 def _means(

@@ -75,6 +75,15 @@ class Spectra:
     approach: str
 
 
+class WheelShare(NamedTuple):
+    """What of the spectra comes from wheels out of round, each wheelset independent of the others."""
+
+    force: np.ndarray
+    """One-sided PSDs of the forces, N²/Hz, (lines, axles)."""
+    displacement: Mapping[Receiver, Mapping[str, np.ndarray]]
+    """One-sided PSDs of displacement by receiver and averaging, m²/Hz, (lines,)."""
+
+
 @dataclass(frozen=True)
 class Passage:
     """A train over uneven rails at a speed, and the one-third octaves in which its spectra are asked for.
@@ -119,6 +128,17 @@ class Passage:
         return np.asarray(self.unevenness.psd(self.frequency * per_hz) * per_hz)
 
     @cached_property
+    def wheel_psd(self) -> np.ndarray:
+        """One-sided PSD of the roughness of every axle's wheels on the lines, m²/Hz, (n, axles)."""
+        per_hz = self.wavenumber_per_hz
+        spectra = self.train.wheel_spectra
+        psd = np.zeros((self.frequency.size, len(spectra)))
+        for axle, spectrum in enumerate(spectra):
+            if spectrum is not None:
+                psd[:, axle] = spectrum.psd(self.frequency * per_hz) * per_hz
+        return psd
+
+    @cached_property
     def phase(self) -> np.ndarray:
         """Phases of the unevenness at the axles (Eq. 20, 21), complex (n, axles)."""
         return axle_phases(self.train, self.frequency, self.speed)
@@ -130,6 +150,7 @@ def assemble(
     force: np.ndarray,
     displacement: Mapping[Receiver, Mapping[str, np.ndarray]],
     quasi_static: Mapping[Receiver, np.ndarray],
+    wheels: WheelShare | None = None,
 ) -> Spectra:
     """Return the spectra of forces and velocities, and their mean squares in one-third octaves.
 
@@ -140,18 +161,25 @@ def assemble(
     force
         |P|² per unit unevenness, N²/m², (lines, axles).
     displacement
-        One-sided PSDs of dynamic displacement by receiver and averaging, m²/Hz, (lines,).
+        One-sided PSDs of displacement from the rails' unevenness by receiver and averaging, m²/Hz, (lines,).
     quasi_static
         One-sided PSDs of displacement from the axle loads by receiver, m²/Hz, (lines,).
+    wheels
+        What comes from wheels out of round besides; None of smooth wheels. Dynamic is then the sum of both,
+        and their parts are series of their own, ``rails`` and ``wheels``.
     """
     f, band = passage.frequency, np.asarray(passage.band)
-    uneven = passage.unevenness_psd
-    series = [
-        _Series("dynamic", "wheel_rail_force", f"axle-{number}", "line", np.nan, force[:, axle] * uneven)
-        for axle, number in enumerate(axle_numbers(passage.train))
-    ]
+    rails = force * passage.unevenness_psd[:, None]
+    series = []
+    for axle, number in enumerate(axle_numbers(passage.train)):
+        parts = _parts(rails[:, axle], None if wheels is None else wheels.force[:, axle])
+        series += [
+            _Series(contribution, "wheel_rail_force", f"axle-{number}", "line", np.nan, psd)
+            for contribution, psd in parts.items()
+        ]
     for receiver, psd in quasi_static.items():
-        series += _velocities(receiver, f, displacement[receiver], psd)
+        from_wheels = None if wheels is None else wheels.displacement[receiver]
+        series += _velocities(receiver, f, displacement[receiver], from_wheels, psd)
     with cost.stage("bands"), threads.single():
         psds = _without_negatives(np.array([row.psd for row in series]))
         mean_square = passage.lines.mean_squares(psds)
@@ -193,14 +221,26 @@ class _Series(NamedTuple):
 def _velocities(
     receiver: Receiver,
     frequency: np.ndarray,
-    displacement: Mapping[str, np.ndarray],
+    rails: Mapping[str, np.ndarray],
+    wheels: Mapping[str, np.ndarray] | None,
     quasi_static: np.ndarray,
 ) -> list[_Series]:
-    """Return the rows of one receiver: dynamic, quasi-static and total velocity."""
+    """Return the rows of one receiver: quasi-static, dynamic with its parts, and total velocity."""
     name, offset = receiver.name, receiver.offset_m
     squared = (2.0 * np.pi * frequency) ** 2
     rows = [_Series("quasi-static", "velocity", name, "line", offset, quasi_static * squared)]
-    for averaging, dynamic in displacement.items():
-        rows.append(_Series("dynamic", "velocity", name, averaging, offset, dynamic * squared))
-        rows.append(_Series("total", "velocity", name, averaging, offset, (dynamic + quasi_static) * squared))
+    for averaging in rails:
+        parts = _parts(rails[averaging], None if wheels is None else wheels[averaging])
+        parts["total"] = parts["dynamic"] + quasi_static
+        rows += [
+            _Series(contribution, "velocity", name, averaging, offset, psd * squared)
+            for contribution, psd in parts.items()
+        ]
     return rows
+
+
+def _parts(rails: np.ndarray, wheels: np.ndarray | None) -> dict[str, np.ndarray]:
+    """Return the dynamic PSD, and its parts where there are two."""
+    if wheels is None:
+        return {"dynamic": rails}
+    return {"dynamic": rails + wheels, "rails": rails, "wheels": wheels}

@@ -76,7 +76,8 @@ class CaseSpectra(ModelStage):
 
     def nbytes(self) -> int:
         """Estimate the spectra."""
-        series = self.train.axle_count + 3 * len(self.receivers) * len(self.averaging)
+        forces, velocities = (3, 5) if self.train.has_rough_wheels else (1, 3)
+        series = forces * self.train.axle_count + velocities * len(self.receivers) * len(self.averaging)
         return series * (self.passage.frequency.size + len(self.band)) * FLOAT
 
 
