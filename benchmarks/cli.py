@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-SECTIONS = ("kernel", "transfer", "study", "growth")
+SECTIONS = ("kernel", "transfer", "study", "growth", "extras")
 
 
 @click.command()

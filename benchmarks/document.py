@@ -16,7 +16,7 @@ import railvib
 from benchmarks.figures import Figure
 from benchmarks.limit import rates
 from benchmarks.limit.rates import Rates
-from benchmarks.sections import growth, kernel, paper, transfer
+from benchmarks.sections import extras, growth, kernel, paper, transfer
 from benchmarks.sizes import Size
 from railvib.numerics import threads
 from sweep.host import host_class
@@ -29,6 +29,7 @@ _MEASURES: Mapping[str, Callable[[Size, Rates], Iterator[Figure]]] = {
     transfer.SECTION: transfer.measure,
     paper.SECTION: lambda size, rates: paper.measure(size),
     growth.SECTION: lambda size, rates: growth.measure(size),
+    extras.SECTION: lambda size, rates: extras.measure(size),
 }
 
 

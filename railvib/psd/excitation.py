@@ -160,7 +160,7 @@ def wheel_excitations(
             ends: tuple[float, float] = ends,
             rough: np.ndarray = rough,
         ) -> np.ndarray:
-            frequency = np.maximum(beta / per_hz, _LOWEST_HZ)
+            frequency = np.maximum(beta / per_hz, LOWEST_HZ)
             phase = axle_phases(train, frequency, speed)
             force = force_matrices(train, moving, frequency)[:, :, rough]
             force = force * phase.conj()[:, :, None] * phase[:, None, rough]

@@ -82,9 +82,21 @@ class FullModelSpectra(CaseSpectra):
     def _matrices_memory(self) -> int:
         return 6 * LINES_AT_ONCE * self.train.axle_count**2 * COMPLEX
 
+    @property
+    def _excitations(self) -> float:
+        """Number of wavenumbers at which forces are needed: some panels of nodes per rad/m."""
+        largest = 2.0 * math.pi * self.highest_excitation / self.speed
+        return float(math.ceil(_PANELS_PER_RAD_M * largest) * ORDER)
+
+    @property
+    def _force_sets(self) -> int:
+        """Number of sets of forces: that of the rails, and one of each wheelset that is out of round."""
+        return 1 + sum(spectrum is not None for spectrum in self.train.wheel_spectra)
+
     def memory(self) -> int:
-        """Estimate what the tables of receivers in memory at once and the matrices of axles take."""
-        return tables_memory(self, self.receivers, self.band) + self._matrices_memory
+        """Estimate what the tables of receivers in memory at once and the forces of axles take."""
+        forces = int(2.0 * self._excitations * (self._force_sets - 1) * self.train.axle_count * COMPLEX)
+        return tables_memory(self, self.receivers, self.band) + self._matrices_memory + forces
 
     def memory_grows_with(self) -> str | None:
         """Return the train where the matrices of its axles take most."""
@@ -93,16 +105,14 @@ class FullModelSpectra(CaseSpectra):
     def work(self) -> Work:
         """Return the amounts of forces and of the sum over wavenumbers."""
         axles, lines = self.train.axle_count, float(self.passage.frequency.size)
-        # Forces are needed at some panels of nodes per rad/m.
-        largest = 2.0 * math.pi * self.highest_excitation / self.speed
-        excitations = float(math.ceil(_PANELS_PER_RAD_M * largest) * ORDER)
+        sets, excitations = float(self._force_sets), self._excitations
         block = max(blocks_over(self.band))
         nodes = sum(table_size(self.ground, block, receiver)[1] for receiver in self.receivers)
         amounts = {
             "units": 1.0,
             "pairs": excitations * axles**2,
             "matrices": excitations * axles**3,
-            "turned": lines * excitations * axles,
-            "values": lines * nodes,
+            "turned": sets * lines * excitations * axles,
+            "values": min(sets, 2.0) * lines * nodes,
         }
         return Work(self.SORT, amounts, {"passage": ("turned", "values")})

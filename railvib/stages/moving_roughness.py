@@ -87,6 +87,8 @@ class MovingRoughnessSpectra(CaseSpectra):
     def work(self) -> Work:
         """Return pairs of axles, their matrices, and pairs of axles at receivers."""
         axles, lines = self.train.axle_count, float(self.passage.frequency.size)
+        if self.train.has_rough_wheels:  # matrices once more, for each wheelset alone
+            lines *= 2.0
         pairs = lines * axles**2
         amounts = {
             "units": 1.0,
