@@ -1,131 +1,148 @@
 """One allocation of Slurm for a whole run of scheduler, driver and workers, one per rank.
 
 Started as `srun --ntasks=N scripts/slurm-allocation STUDY [options of railvib run]`. The ranks meet in a
-folder that only this user can read, in the directory from which they were started: there lie the scheduler's
-address and, while it runs, the certificate with which all that goes between the ranks is encrypted.
+folder that only this user can read, in the directory from which they were started: there lie, while the
+scheduler runs, its address and the certificate with which all that goes between the ranks is encrypted.
 """
 
-import json
+import logging
 import os
 import shutil
+import signal
 import socket
-import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
+from unittest.mock import patch
 
+import dask
+from distributed.core import rpc
+from distributed.security import Security
+
+from railvib import cli
 from railvib.errors import InputError
-from sweep.processes.forks import THREADS
 from sweep.workers import tls
 from sweep.workers.cluster_file import LOOPBACK
 from sweep.workers.dask_cluster import SETTINGS
 
+with patch("signal.signal"):  # importing it would let Ctrl-C end the process as if all were well
+    from dask_jobqueue.slurm import SLURMRunner
+
 SCHEDULER, DRIVER = 0, 1
 FEWEST = 3
-TOLD = "scheduler.json"
-ENDED = "ended"
+ADDRESS_FILE = "scheduler.json"
 POLL_S = 0.2
 PATIENCE_S = 300.0
 """How long ranks wait for the scheduler: they may start minutes apart."""
-DASK = [sys.executable, "-m", "dask"]
+TERMINATION_S = 2.0
+"""How long the driver tries to reach a scheduler that it wants to end, and that may have ended."""
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Do what falls to this rank; return its exit status.
+class Runner(SLURMRunner):  # type: ignore[misc]
+    """Scheduler, driver or worker, as it falls to this rank, over encrypted connections.
+
+    Made in the scheduler's rank or a worker's, it returns when the run is over.
+    """
+
+    def __init__(self, meeting: Path, security: Security) -> None:
+        self._security = security
+        alone = os.environ.get("SLURM_NNODES", "1") == "1"
+        options: dict[str, Any] = {"security": security, "dashboard": False}
+        if alone:
+            options["host"] = LOOPBACK
+        listening = {"protocol": "tls://", "dashboard_address": f"{LOOPBACK}:0", "host": socket.gethostname()}
+        super().__init__(
+            scheduler_file=str(meeting / ADDRESS_FILE),
+            scheduler_options=listening | options,
+            worker_class="distributed.Nanny",  # a crash takes the task, not the rank
+            worker_options={"nthreads": 1, "memory_limit": 0, **options},
+        )
+
+    async def before_client_start(self) -> None:
+        """Prepare to end the scheduler; the parent's connection has no certificate."""
+        encryption = self._security.get_connection_args("client")  # type: ignore[no-untyped-call]
+        self.scheduler_comm = rpc(  # type: ignore[no-untyped-call]
+            self.scheduler_address, timeout=TERMINATION_S, connection_args=encryption
+        )
+
+    async def _close(self) -> None:
+        with suppress(OSError):  # the scheduler has ended already
+            await super()._close()
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Do what falls to this rank; the driver's exit status is the program's.
 
     Raises
     ------
     InputError
-        If this is no rank of an allocation, or there are too few.
+        If this is no rank of an allocation, there are too few, or the scheduler does not come up.
     """
     try:
         rank, ranks = int(os.environ["SLURM_PROCID"]), int(os.environ["SLURM_NTASKS"])
-        name = f".railvib-{os.environ['SLURM_JOB_ID']}.{os.environ['SLURM_STEP_ID']}"
+        meeting = Path(f".railvib-{os.environ['SLURM_JOB_ID']}.{os.environ['SLURM_STEP_ID']}")
     except KeyError as missing:
         raise InputError(f"{missing.args[0]}: is not set; start with srun --ntasks=N") from None
     if ranks < FEWEST:
         raise InputError(f"--ntasks = {ranks}: must be at least {FEWEST}: scheduler, driver and a worker")
-    meeting = Path.cwd() / name
-    alone = os.environ.get("SLURM_NNODES", "1") == "1"
-    if rank == SCHEDULER:
-        return _schedule(meeting, alone)
-    if rank == DRIVER:
-        return _drive(meeting, arguments)
-    return _work(meeting, alone)
+    for number in (signal.SIGINT, signal.SIGTERM):  # the runner ends itself by the first one
+        signal.signal(number, lambda *_: sys.exit())
+    for library in ("distributed", "tornado"):
+        logging.getLogger(library).setLevel(logging.CRITICAL)
+    with dask.config.set(SETTINGS):
+        if rank == SCHEDULER:
+            _schedule(meeting)
+        elif rank == DRIVER:
+            _drive(meeting, arguments)
+        else:
+            _work(meeting)
 
 
-def _schedule(meeting: Path, alone: bool) -> int:
-    """Run the scheduler until the driver has ended."""
+def _schedule(meeting: Path) -> None:
+    """Run the scheduler until the driver ends it."""
     meeting.mkdir(mode=0o700)
     try:
-        with tls.temporary(meeting):
-            command = [*DASK, "scheduler", "--protocol", "tls", "--port", "0", "--no-dashboard"]
-            command += ["--host", LOOPBACK if alone else socket.gethostname()]
-            command += ["--scheduler-file", str(meeting / TOLD), *_files(meeting)]
-            with subprocess.Popen(command, env={**os.environ, **_settings()}) as scheduler:
-                while not (meeting / ENDED).exists() and scheduler.poll() is None:
-                    time.sleep(POLL_S)
-                scheduler.terminate()
+        with tls.temporary(meeting) as security:
+            Runner(meeting, security)
     finally:
         shutil.rmtree(meeting, ignore_errors=True)
-    return 0
 
 
-def _drive(meeting: Path, arguments: Sequence[str]) -> int:
-    """Run the study, and let the scheduler end."""
-    address = json.loads(_await(meeting / TOLD).read_text())["address"]
-    command = [
-        sys.executable,
-        "-c",
-        "from railvib.cli import main; main(prog_name='railvib')",
-        "run",
-        *arguments,
-    ]
-    command += ["--scheduler", address, "--tls-ca", str(meeting / tls.CERTIFICATE)]
-    command += ["--tls-cert", str(meeting / tls.CERTIFICATE), "--tls-key", str(meeting / tls.KEY)]
-    try:
-        return subprocess.run(command, check=False).returncode
-    finally:
-        (meeting / ENDED).touch()
+def _drive(meeting: Path, arguments: Sequence[str]) -> None:
+    """Run the study, and end the scheduler whatever happens."""
+    _await_scheduler(meeting)
+    with Runner(meeting, tls.security_of(meeting)) as runner:
+        certificate, key = str(meeting / tls.CERTIFICATE), str(meeting / tls.KEY)
+        options = ["--scheduler", runner.scheduler_address, "--tls-ca", certificate]
+        options += ["--tls-cert", certificate, "--tls-key", key]
+        cli.main(["run", *arguments, *options], prog_name="railvib")
 
 
-def _work(meeting: Path, alone: bool) -> int:
+def _work(meeting: Path) -> None:
     """Run a worker until the scheduler ends."""
-    command = [*DASK, "worker", "--nthreads", "1", "--no-dashboard"]
-    command += ["--host", LOOPBACK] if alone else []
-    command += ["--scheduler-file", str(_await(meeting / TOLD)), *_files(meeting)]
-    return subprocess.run(command, env={**os.environ, **THREADS}, check=False).returncode
+    _await_scheduler(meeting)
+    try:
+        Runner(meeting, tls.security_of(meeting))
+    except RuntimeError as error:
+        if (meeting / ADDRESS_FILE).exists():  # or the run was over before this worker was there
+            raise InputError(f"rank {os.environ['SLURM_PROCID']}: {error}") from None
 
 
-def _files(meeting: Path) -> list[str]:
-    """Return the options for the certificate, the same in all roles."""
-    certificate, key = str(meeting / tls.CERTIFICATE), str(meeting / tls.KEY)
-    return ["--tls-ca-file", certificate, "--tls-cert", certificate, "--tls-key", key]
-
-
-def _settings() -> dict[str, str]:
-    """Return Dask's settings for a scheduler of our own as variables of the environment."""
-    return {
-        f"DASK_{name.upper().replace('.', '__').replace('-', '_')}": str(value)
-        for name, value in SETTINGS.items()
-        if name.startswith("distributed.scheduler.")
-    }
-
-
-def _await(path: Path) -> Path:
-    """Wait until another rank has left a file."""
+def _await_scheduler(meeting: Path) -> None:
+    """Wait until the scheduler has left its address."""
     deadline = time.monotonic() + PATIENCE_S
-    while not path.exists():
+    while not (meeting / ADDRESS_FILE).exists():
         if time.monotonic() > deadline:
-            raise InputError(f"{path}: the scheduler has not come up within {PATIENCE_S:g} s")
+            raise InputError(f"{meeting}: the scheduler has not come up within {PATIENCE_S:g} s")
         time.sleep(POLL_S)
-    return path
 
 
 if __name__ == "__main__":
     try:
-        sys.exit(main(sys.argv[1:]))
+        main(sys.argv[1:])
     except InputError as error:
         print(f"Error: {error}", file=sys.stderr)
         sys.exit(2)

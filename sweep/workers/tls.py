@@ -58,6 +58,13 @@ class Certificates:
         )
 
 
+def security_of(folder: Path) -> Security:
+    """Return what Dask asks for, for every role, with the certificate made for a run."""
+    cert, key = str((folder / CERTIFICATE).resolve()), str((folder / KEY).resolve())
+    files = {f"tls_{role}_cert": cert for role in ROLES} | {f"tls_{role}_key": key for role in ROLES}
+    return Security(require_encryption=True, tls_ca_file=cert, **files)
+
+
 @contextmanager
 def temporary(folder: Path) -> Iterator[Security]:
     """Make a certificate for one run; its files, for nobody else to read, are removed at the end."""
@@ -69,9 +76,7 @@ def temporary(folder: Path) -> Iterator[Security]:
             path.unlink(missing_ok=True)
             with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
                 file.write(content)
-        files = {f"tls_{role}_cert": str(cert.resolve()) for role in ROLES}
-        files |= {f"tls_{role}_key": str(key.resolve()) for role in ROLES}
-        yield Security(require_encryption=True, tls_ca_file=str(cert.resolve()), **files)
+        yield security_of(folder)
     finally:
         cert.unlink(missing_ok=True)
         key.unlink(missing_ok=True)

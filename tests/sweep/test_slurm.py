@@ -103,6 +103,30 @@ def test_the_ranks_of_one_allocation_are_scheduler_driver_and_workers(slurm, her
     assert {path.name for path in here.iterdir()} == {"cluster.toml", "out", "small.toml"}
 
 
+def test_a_refused_study_ends_all_ranks_with_one_line(slurm, here):
+    script = ROOT / "scripts" / "slurm-allocation"
+    (here / "small.toml").write_text(STUDY.replace("horstwalde", "nowhere"), encoding="utf-8")
+    run = subprocess.run(
+        ["srun", "--ntasks=4", script, "small.toml"], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert run.returncode == 2
+    told, srun = run.stderr.splitlines()
+    assert told.startswith("Error: sweep.soil = 'nowhere': is unknown")
+    assert "task 1: Exited with exit code 2" in srun
+    assert {path.name for path in here.iterdir()} == {"cluster.toml", "small.toml"}
+
+
+def test_a_cancelled_allocation_leaves_no_certificate(slurm, here):
+    script = ROOT / "scripts" / "slurm-allocation"
+    srun = f"srun --kill-on-bad-exit=1 {script} small.toml --out out"
+    subprocess.run(["sbatch", "--ntasks=4", "--output=log", "--wrap", srun], check=True)
+    await_(lambda: (here / "out" / "records" / "transfer").exists())
+    assert [path.name for path in here.glob(".railvib-*/*.pem")]
+    subprocess.run(["scancel", "--user", "root"], check=True)
+    await_(lambda: not list(here.glob(".railvib-*")))
+    await_(lambda: "continue with: railvib resume out" in (here / "log").read_text())
+
+
 def test_too_few_ranks_are_refused(slurm, here):
     script = ROOT / "scripts" / "slurm-allocation"
     run = subprocess.run(
