@@ -1,4 +1,4 @@
-"""What a person is told of the run in a directory, running, dead or finished."""
+"""State of the run in a directory, for people: running, dead or finished."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -37,7 +37,7 @@ def describe(directory: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
 
 
 def alive(directory: Path) -> bool:
-    """Return whether a process runs in a directory, as far as can be told from here."""
+    """Return whether a process runs in a directory, as far as this host can tell."""
     holder = lock.holder(directory)
     return holder is not None and holder.alive is not False
 
@@ -68,7 +68,7 @@ def _pace(directory: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _last(path: Path, run_id: str) -> dict[str, Any] | None:
-    """Return the last whole line of a run in the log that says how far it was."""
+    """Return the last whole log line of a run that reports progress."""
     try:
         with path.open("rb") as file:
             file.seek(max(0, path.stat().st_size - _LAST_BYTES))
@@ -78,7 +78,7 @@ def _last(path: Path, run_id: str) -> dict[str, Any] | None:
     for text in reversed(lines):
         try:
             line: dict[str, Any] = json.loads(text)
-        except ValueError:  # torn: cut at the front, or just being written
+        except ValueError:  # cut at the front, or still being written
             continue
         if line.get("run_id") == run_id and "settled" in line:
             return line

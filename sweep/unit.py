@@ -1,7 +1,7 @@
 """Units of work: one stage, with the id under which its result is stored and recorded.
 
-A module that offers work to the engine has a mapping ``STAGES`` from names to classes of stages, and a
-function ``warm_up``; `railvib.stages` is the product's.
+A module that offers stages to the engine has a mapping ``STAGES`` from names to classes of stages, and a
+function ``warm_up``; that of the product is `railvib.stages`.
 """
 
 import importlib
@@ -13,7 +13,7 @@ from railvib.stages.stage import Scope, Stage, Work
 from sweep import identity
 
 REMEMBERED = 4096
-"""Units that planning keeps, as many cases share them."""
+"""Units that planning caches, as cases share them."""
 
 Inputs = Mapping[str, Any]
 
@@ -31,7 +31,7 @@ class Unit:
 
     @property
     def scope(self) -> Scope:
-        """What the unit depends on at most."""
+        """The most that the unit depends on: the ground, the speed, or the whole case."""
         return self.stage.scope
 
     @cached_property

@@ -21,7 +21,7 @@ from railvib.errors import InputError
 
 LOCK = "run.lock"
 PATIENCE_S = 1.0
-"""How long to try to lock the file [s]: `holder` does so for an instant, only to see whether it can."""
+"""How long to try to lock the file [s], as `holder` locks it for an instant."""
 _POLL_S = 0.02
 _NOTE_BYTES = 4096
 
@@ -84,7 +84,7 @@ def hold(directory: Path) -> Iterator[Holder | None]:
         os.pwrite(descriptor, json.dumps(note).encode() + b"\n", 0)
         yield predecessor
     finally:
-        if _is_at(path, descriptor):  # else a user removed it, and another driver may have made one anew
+        if _is_at(path, descriptor):  # else a user removed it, and another driver may have created a new one
             path.unlink()
         os.close(descriptor)
 

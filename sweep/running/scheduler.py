@@ -1,8 +1,8 @@
-"""Runs the tasks of a plan, in this process or on a Dask cluster, and goes on when some of them fail.
+"""Runs the tasks of a plan, in this process or on a Dask cluster, and continues when some of them fail.
 
-The engine hands out a task when what it needs is done, and only a window of tasks at a time, so that neither
-driver nor scheduler grows with the sweep. Results never come back: workers store them, and return what became
-of a task.
+A task is handed out when its needs are done, and only a window of tasks at a time, so that the memory of
+driver and scheduler does not grow with the sweep. Workers store the results, and return only the outcome of a
+task.
 """
 
 from collections import deque
@@ -16,17 +16,17 @@ from sweep.storage import records
 from sweep.storage.location import NoSpaceError
 
 WINDOW_PER_WORKER = 16
-"""Tasks handed out ahead of those that run: enough to hide the way to the scheduler.
+"""Tasks handed out per worker: enough to hide the latency of the scheduler.
 
-They are handed out anew, together, when half of them are done: what a scheduler does for each time that it is
-given tasks, and keeps of it, then counts for little beside the tasks.
+The window is refilled when half of it is done, so that the scheduler's cost per submission is small beside
+the tasks.
 """
 
 LOST = "its worker died with it, again when it ran alone: out of memory, or a crash in compiled code"
 
 
 class Crew(Protocol):
-    """Whoever runs tasks: this process, or the workers of a cluster."""
+    """Runs tasks: this process, or the workers of a cluster."""
 
     @property
     def size(self) -> int:
@@ -40,7 +40,7 @@ class Crew(Protocol):
 
 
 class ThisProcess:
-    """Runs one task at a time where the driver is: for debugging and small work."""
+    """Runs one task at a time in the driver's process: for debugging and small work."""
 
     size = 1
 
@@ -63,7 +63,7 @@ class ThisProcess:
 
 @dataclass
 class Tally:
-    """How far a run has come; what progress shows."""
+    """Progress of a run."""
 
     total: int
     done: int = 0
@@ -95,19 +95,19 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
     place
         Where results go.
     crew
-        Who runs the tasks.
+        Runs the tasks.
     report
-        Called after each task that has settled.
+        Called after each task has settled.
 
     Returns
     -------
     Tally
-        Its `failures` holds key and error of each task that failed.
+        `failures` holds key and error of each failed task.
 
     Raises
     ------
     NoSpaceError
-        If a result could not be written; tasks that ran at that time have ended.
+        If a result could not be written; the tasks then running have ended.
     """
     board = _Board(plan.tasks)
     tally = Tally(len(plan.tasks))
@@ -128,7 +128,7 @@ def run(plan: Plan, place: Place, crew: Crew, report: Report) -> Tally:
         if not full and 2 * len(running) <= window:
             start(board.take(window - len(running)), place)
         if not running and suspects:
-            # A dead worker makes all it held suspect: alone, only the guilty one can die again.
+            # All tasks of a dead worker are suspects: alone, only the culprit dies again.
             start([suspects.popleft()], replace(place, attempt=place.attempt + 1))
             alone = True
         else:
@@ -179,22 +179,22 @@ class _Board:
         self._ready = deque(key for key, count in self._waits.items() if count == 0)
 
     def take(self, most: int) -> list[str]:
-        """Return up to `most` tasks that can start: what was released last, else in the order of the plan."""
+        """Return up to `most` tasks that can start: those released last come first."""
         return [self._ready.popleft() for _ in range(min(most, len(self._ready)))]
 
     def release(self, key: str) -> None:
-        """Let go the tasks that waited for this one alone."""
+        """Release the tasks that waited only for this one."""
         released = []
         for other in self._before.pop(key, ()):
-            if other not in self._waits:  # given up for the sake of another one that it needs
+            if other not in self._waits:  # dropped, as another task that it needs has failed
                 continue
             self._waits[other] -= 1
             if self._waits[other] == 0:
                 released.append(other)
-        self._ready.extendleft(reversed(released))  # next, while workers hold what they need in memory
+        self._ready.extendleft(reversed(released))  # first, while workers have their needs in memory
 
     def drop(self, key: str) -> int:
-        """Give up the tasks that need this one, directly or through others; return how many."""
+        """Drop the tasks that need this one, directly or through others; return how many."""
         dropped = 0
         for other in self._before.pop(key, ()):
             if self._waits.pop(other, None) is not None:

@@ -1,8 +1,7 @@
-"""One task, as a worker runs it: compute the units still missing, store them, tell what that cost.
+"""One task, as a worker runs it: compute the units still missing, store them, and return the cost.
 
-A task may run more than once, here or elsewhere; it looks for records first and the first record stays, so a
-unit is counted once whatever happens. Nothing that the physics raises gets out: it becomes the record of a
-failure.
+A task may run more than once, here or elsewhere. It looks for records first, and the first record stays, so
+a unit counts once whatever happens. An exception of the physics becomes the record of a failure.
 """
 
 import contextlib
@@ -29,17 +28,17 @@ from sweep.storage.group_writer import Writer, Written, restore
 from sweep.unit import Unit, registry, stage_class, unit_of
 
 NEGLIGIBLE_S = 2e-5
-"""Time between a result's stages that is not worth a stage of its own."""
+"""Time outside the measured stages that is too short to be listed."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where the results of a run go and who asks for them; all that a task must know beside its units.
+    """Where the results of a run go, and which run asks for them: what a task needs beside its units.
 
     Attributes
     ----------
     store
-        Where results go that cases share, if not to the directory as well.
+        Where shared results go, if not to the directory.
     """
 
     directory: str
@@ -50,15 +49,15 @@ class Place:
 
     @property
     def homes(self) -> tuple[str, ...]:
-        """Where units may lie."""
+        """Where units may be stored."""
         return (self.directory, self.store) if self.store else (self.directory,)
 
     def home(self, unit: Unit) -> str:
-        """Return where a unit is written: what belongs to a case stays with the run."""
+        """Return where a unit is written; results of one case stay with the run."""
         return self.directory if unit.scope == "case" else self.homes[-1]
 
     def find(self, unit: Unit) -> tuple[str, dict[str, Any]] | None:
-        """Return where a unit lies and its commit record, or None where it has none."""
+        """Return where a unit is stored and its commit record, or None if it has none."""
         candidates = ((home, records.find(home, unit.stage_name, unit.id)) for home in self.homes)
         return next(((home, record) for home, record in candidates if record is not None), None)
 
@@ -68,23 +67,23 @@ Status = Literal["done", "failed", "damaged", "no space"]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a task.
+    """The outcome of a task.
 
     Attributes
     ----------
     status
-        ``done``, ``failed`` when the computation raised, ``damaged`` when a stored result that it needs was
-        not whole and has been withdrawn, ``no space`` when nothing more could be written.
+        ``done``, ``failed`` if the computation raised, ``damaged`` if a stored result that it needs was
+        damaged and has been withdrawn, ``no space`` if nothing more could be written.
     computed
-        How many units this attempt stored first.
+        Number of units that this attempt was the first to store.
     cpu_s
         Processor seconds that it took [s].
     bytes_written, peak_rss_bytes
-        Bytes that it stored, and the largest resident memory of its process meanwhile.
+        Bytes stored, and the largest resident memory of the process meanwhile.
     error
-        The last line of what was raised.
+        The last line of the exception.
     warnings
-        Where results stay behind the accuracy asked for.
+        Warnings of results that miss the requested accuracy.
     """
 
     key: str
@@ -98,18 +97,18 @@ class Outcome:
 
 
 class WithdrawnError(Exception):
-    """A stored result was found damaged; its record has been taken back."""
+    """A stored result is damaged; its record has been withdrawn."""
 
 
 REMEMBERED = 1024
-"""Units, at a few kilobytes each, of whose records a worker remembers where and what the results are."""
+"""Number of units whose records a worker remembers, a few kilobytes each."""
 
 _cache = Cache(CACHE_BYTES)
 _recorded: Latest[tuple[str, str], tuple[str, dict[str, Any]]] = Latest(REMEMBERED)
 
 
 def forget() -> None:
-    """Let go of what is held and remembered for further tasks of this process."""
+    """Clear what this process has cached for further tasks."""
     _cache.clear()
     _recorded.clear()
 
@@ -148,7 +147,7 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
     except WithdrawnError as error:
         return outcome("damaged", str(error))
     except Exception as error:
-        if signals.end_requested():  # compiled code that is interrupted raises an error of its own
+        if signals.end_requested():  # interrupted compiled code raises another error
             raise KeyboardInterrupt from error
         try:
             if location.is_full(error):
@@ -163,7 +162,7 @@ def execute(key: str, units: Sequence[Unit], place: Place) -> Outcome:
 
 
 def _compute(missing: list[Unit], place: Place, started: str) -> Iterator[tuple[bool, int, list[str]]]:
-    """Compute batch by batch, commit what each brings; yield whether it is first, its bytes, and warnings."""
+    """Compute batch by batch and commit; yield per unit whether it is the first, its bytes, and warnings."""
     if not missing:
         return
     computing = stage_class(missing[0], registry(place.stages))
@@ -175,7 +174,7 @@ def _compute(missing: list[Unit], place: Place, started: str) -> Iterator[tuple[
     while True:
         cpu, wall = time.process_time(), time.perf_counter()
         with cost.collect() as costs, warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("ignore", PlausibilityWarning)  # the plan has shown them, once
+            warnings.simplefilter("ignore", PlausibilityWarning)  # already shown by the plan
             warnings.simplefilter("always", AccuracyWarning)
             results = next(batches, None)
         if results is None:
@@ -186,7 +185,7 @@ def _compute(missing: list[Unit], place: Place, started: str) -> Iterator[tuple[
             str(warning.message) for warning in caught if issubclass(warning.category, AccuracyWarning)
         ]
         yield from _record(batch, costs, cautions, place, writers, started)
-        del batch, results  # before the next one takes its memory
+        del batch, results  # to free memory before the next batch
 
 
 def _record(
@@ -197,7 +196,7 @@ def _record(
     writers: Mapping[str, Writer],
     started: str,
 ) -> Iterator[tuple[bool, int, list[str]]]:
-    """Store and commit a batch; yield what `_compute` does."""
+    """Store and commit a batch; yield as `_compute` does."""
     shares = {unit: _share(unit, batch, costs) for unit in batch}
     stored: dict[str, list[tuple[Unit, dict[str, Any], Written]]] = {home: [] for home in writers}
     for group in _groups(batch):
@@ -205,12 +204,12 @@ def _record(
         stored[home] += _store(group, shares, cautions, place, writers[home], started)
     for writer in writers.values():
         writer.settle()
-    # A batch that has shared its costs is recorded when all of it is stored: what is interrupted before is
+    # Units of a batch share its costs, so none is recorded before all are stored: an interrupted batch is
     # computed again as a whole.
     for home, entries in stored.items():
         firsts = records.commit_many(home, [record for _, record, _ in entries])
         for (unit, _, written), first in zip(entries, firsts, strict=True):
-            if first and unit.scope != "case":  # what belongs to one case no other task reads
+            if first and unit.scope != "case":  # no other task reads results of one case
                 _hold(unit, place, restore(written, unit.stage.result))
                 _recorded[place.directory, unit.id] = home, written.group_fields()
             yield first, written.bytes_written, cautions
@@ -229,7 +228,7 @@ class Reader:
         Raises
         ------
         WithdrawnError
-            If it is damaged or not there; its record, if any, is taken back so that it is computed again.
+            If it is damaged or missing; its record, if any, is withdrawn so that it is computed again.
         """
         cached = _cache.get((self._place.directory, unit.id))
         if cached is not None:
@@ -247,7 +246,7 @@ class Reader:
         return result
 
     def _reread(self, unit: Unit) -> Any:
-        """Return a result by what is remembered of its record; None if nothing is, or that stands no more."""
+        """Return a result by its remembered record; None if there is none, or it is out of date."""
         remembered = _recorded.pop((self._place.directory, unit.id), None)
         if remembered is None:
             return None
@@ -269,12 +268,12 @@ class Reader:
 
 
 def _hold(unit: Unit, place: Place, result: Any) -> None:
-    """Keep a result in the form in which it is read, so that who computed it makes no difference."""
+    """Cache a result as it would be read back, so that it does not matter who computed it."""
     _cache.put((place.directory, unit.id), result)
 
 
 def _groups(batch: Mapping[Unit, Any]) -> list[dict[Unit, fields.Parts]]:
-    """Part a batch into results of one stage that are stored as one group."""
+    """Divide a batch into results of one stage that can be stored as one group."""
     groups: dict[Hashable, dict[Unit, fields.Parts]] = {}
     for unit, result in batch.items():
         parts = fields.split(result)
@@ -291,7 +290,7 @@ def _store(
     writer: Writer,
     started: str,
 ) -> list[tuple[Unit, dict[str, Any], Written]]:
-    """Store results as one group; return of each its unit, its record and what was written."""
+    """Store results as one group; return for each its unit, record and stored form."""
     cpu, wall = time.process_time(), time.perf_counter()
     first = next(iter(group))
     name = f"{first.stage_name}/{first.id}"
@@ -327,16 +326,16 @@ def _failure_record(unit: Unit, place: Place, started: str, text: str) -> dict[s
 
 
 def crash_record(unit: Unit, place: Place, message: str) -> dict[str, Any]:
-    """Return the failure record of a unit whose worker died with it, as the driver writes it."""
+    """Return the failure record that the driver writes for a unit whose worker died."""
     return _failure_record(unit, place, _now(), message)
 
 
 def _head(unit: Unit, place: Place, started: str) -> dict[str, Any]:
-    """Return what records of success and of failure have in common."""
+    """Return the entries that commit and failure records have in common."""
     return {
         "schema": records.SCHEMA,
         "unit_id": unit.id,
-        "kind": unit.stage_name,  # the stored key from before stages had this name
+        "kind": unit.stage_name,  # the key of stored records for the stage's name
         "model_version": railvib.MODEL_VERSION,
         "inputs": unit.inputs,
         "worker": f"{socket.gethostname()}:{os.getpid()}",
@@ -350,7 +349,7 @@ def _head(unit: Unit, place: Place, started: str) -> dict[str, Any]:
 
 
 def _complete(costs: list[cost.StageCost], wall_s: float, cpu_s: float) -> None:
-    """Add what the physics' own stages leave unexplained, so that the stages' sum is the whole."""
+    """Add the time outside the measured stages, so that their sum is the whole."""
     wall_s -= sum(spent.wall_s for spent in costs)
     cpu_s -= sum(spent.cpu_s for spent in costs)
     if not costs or wall_s > NEGLIGIBLE_S:
@@ -358,14 +357,14 @@ def _complete(costs: list[cost.StageCost], wall_s: float, cpu_s: float) -> None:
 
 
 def _share(unit: Unit, batch: Mapping[Unit, Any], costs: Iterable[cost.StageCost]) -> list[dict[str, Any]]:
-    """Return a unit's part of its batch's costs: a cost named as a stage is its units', others all's."""
+    """Return a unit's share of its batch's costs: the cost of one stage belongs to that stage's units."""
     stages = {other.stage_name for other in batch}
     shares = []
     for spent in costs:
         if spent.stage in stages and spent.stage != unit.stage_name:
             continue
         sharers = [other for other in batch if spent.stage not in stages or other.stage_name == spent.stage]
-        # Counts are whole numbers: the first units of the batch take what does not divide.
+        # Counts stay whole numbers: the first units take the remainder.
         part, index = len(sharers), sharers.index(unit)
         shares.append(
             {
@@ -385,7 +384,7 @@ def _now() -> str:
 
 
 def _reset_peak() -> None:
-    """Let the peak of the resident memory start anew, where the system can."""
+    """Reset the peak of resident memory, where the system can."""
     with contextlib.suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
 

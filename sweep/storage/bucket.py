@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 CONNECTIONS = 16
 """Requests to a bucket at the same time, per process."""
 PATIENT: "RetryConfig" = {"max_retries": 10, "retry_timeout": timedelta(minutes=3)}
-"""How often and how long a bucket that does not answer is asked again before a task fails."""
+"""Retries of a bucket that does not answer, before a task fails."""
 BRIEF: "RetryConfig" = {"max_retries": 2, "retry_timeout": timedelta(seconds=20)}
-"""The same before a run, where somebody waits to hear what is wrong."""
+"""Retries before a run, while a user waits."""
 CREDENTIALS = (
     ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"),
     ("AWS_WEB_IDENTITY_TOKEN_FILE",),
@@ -31,7 +31,7 @@ CREDENTIALS = (
     ("AWS_CONTAINER_CREDENTIALS_FULL_URI",),
     ("AWS_SKIP_SIGNATURE",),
 )
-"""Variables of the environment that say where credentials come from; nothing else is looked at."""
+"""Environment variables that supply credentials; no other source is used."""
 
 
 class Bucket:
@@ -65,7 +65,7 @@ class Bucket:
             return None
 
     def read_many(self, keys: Iterable[str]) -> Iterator[bytes | None]:
-        """Yield the contents of objects, several of which are asked for at once."""
+        """Yield the contents of objects, several requests at a time."""
         with ThreadPoolExecutor(CONNECTIONS) as pool:
             yield from pool.map(self.read, keys)
 
@@ -85,16 +85,16 @@ class Bucket:
         return [key.rstrip("/").rpartition("/")[2] for key in keys]
 
     def create(self, key: str, content: bytes) -> bool:
-        """Put an object on the condition that there is none."""
+        """Put an object if the key is free."""
         try:
             obstore.put(self._store, key, content, mode="create", use_multipart=False)
         except AlreadyExistsError:
-            # A request whose answer was lost is sent again, and then meets itself.
+            # After a lost answer the repeated request finds its own object.
             return self.read(key) == content
         return True
 
     def create_many(self, contents: Mapping[str, bytes]) -> list[bool]:
-        """Put objects on that condition, several at once."""
+        """Put objects whose keys are free, several requests at a time."""
         with ThreadPoolExecutor(CONNECTIONS) as pool:
             return list(pool.map(self.create, contents.keys(), contents.values()))
 
@@ -105,7 +105,7 @@ class Bucket:
             self._ensured.add(key)
 
     def put(self, prefix: str, objects: Mapping[str, Content], same: Mapping[str, str] = NONE) -> int:
-        """Put all objects: whoever else does so puts the same bytes, for the prefix names them."""
+        """Put all objects; other writers of this prefix put the same bytes."""
         with ThreadPoolExecutor(CONNECTIONS) as pool:
             return sum(pool.map(lambda key: self._put(f"{prefix}/{key}", objects[key]), objects))
 
@@ -115,7 +115,7 @@ class Bucket:
         return len(whole)
 
     def remove(self, key: str) -> None:
-        """Delete an object; one that is not there counts as deleted."""
+        """Delete an object; a missing one counts as deleted."""
         with suppress(FileNotFoundError):
             obstore.delete(self._store, key)
 
@@ -129,7 +129,7 @@ class Bucket:
         return ObjectStore(self._open(prefix.split("/")), read_only=True)
 
     def check(self) -> None:
-        """Ask for the first key, which tells whether the bucket is there and lets us in."""
+        """List one key, which shows whether the bucket exists and grants access."""
         try:
             next(iter(obstore.list(self._open([], BRIEF), chunk_size=1)), None)
         except (BaseError, OSError) as error:
@@ -137,9 +137,9 @@ class Bucket:
 
 
 def _reason(message: str) -> str:
-    """Return in a few words what a server or the way to it said.
+    """Return the reason in a server's or connection's error message, in a few words.
 
-    Codes count with their names: as digits alone they may be part of a port or of a time.
+    Codes are matched with their names: bare digits may be part of a port or a time.
     """
     for sign, reason in (
         ("NoSuchBucket", "there is no such bucket"),

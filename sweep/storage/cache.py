@@ -1,4 +1,4 @@
-"""What a worker keeps at hand: results within a number of bytes, and small things by their number."""
+"""Caches of a worker: results up to a number of bytes, small entries up to a count."""
 
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator
@@ -11,24 +11,24 @@ Key = TypeVar("Key")
 Value = TypeVar("Value")
 
 CACHE_BYTES = 128 * 2**20
-"""What a worker keeps of the results that it has stored or read, for the tasks that follow."""
+"""Memory for results that a worker has stored or read, kept for its next tasks."""
 UNMEASURED = 16
 UNMEASURED_SHARE = 0.125
-"""Results, and share of those held, that are added before all are measured anew, as what is derived grows."""
+"""Number of new results, and their share, after which all are measured again: derived data grow."""
 ROOM = 0.9
-"""Share of the cache that is left in use when it is full."""
+"""Share of the cache that stays filled when it overflows."""
 
 
 class Latest(dict[Key, Value]):
-    """The entries that were set last, up to a number of them."""
+    """Dictionary of the latest entries, up to a number of them."""
 
     def __init__(self, most: int) -> None:
         super().__init__()
         self._most = most
 
     def __setitem__(self, key: Key, value: Value) -> None:
-        """Set an entry, and drop the one set longest ago where there are too many."""
-        self.pop(key, None)  # what is set again goes last
+        """Set an entry, and drop the oldest one if there are too many."""
+        self.pop(key, None)  # an entry set again becomes the latest
         super().__setitem__(key, value)
         if len(self) > self._most:
             del self[next(iter(self))]
@@ -36,14 +36,14 @@ class Latest(dict[Key, Value]):
 
 @dataclass
 class _Held:
-    """A result, or what some results share, and the bytes of its arrays when it was measured last."""
+    """A result or shared part, with the size of its arrays when last measured."""
 
     result: Any
     nbytes: int = 0
     holders: int = 0
 
     def measure(self) -> int:
-        """Return how many bytes it has grown by."""
+        """Measure it again; return by how many bytes it has grown."""
         nbytes = _nbytes(vars(self.result).values())
         grown = nbytes - self.nbytes
         self.nbytes = nbytes
@@ -53,8 +53,8 @@ class _Held:
 class Cache:
     """The results used last, up to a number of bytes.
 
-    What some of them share counts once. What has been derived from a result and is kept with it counts as
-    well: all are measured anew after some further results.
+    Shared parts count once. Data derived from a result and kept with it count as well: from time to time all
+    entries are measured again.
     """
 
     def __init__(self, limit: int) -> None:
@@ -65,7 +65,7 @@ class Cache:
         self._shared: dict[Any, _Held] = {}
 
     def get(self, key: tuple[str, str]) -> Any:
-        """Return a result, or None where it is not held."""
+        """Return a result, or None if it is not cached."""
         entry = self._results.get(key)
         if entry is None:
             return None
@@ -73,7 +73,7 @@ class Cache:
         return entry.result
 
     def put(self, key: tuple[str, str], result: Any) -> None:
-        """Hold a result, and let go of those not used for longest."""
+        """Cache a result, and drop those not used for longest."""
         if key in self._results:
             return
         entry = self._results[key] = _Held(result)
@@ -90,13 +90,13 @@ class Cache:
             self._measure()
 
     def clear(self) -> None:
-        """Let go of all."""
+        """Drop all entries."""
         self._results.clear()
         self._shared.clear()
         self._nbytes = self._unmeasured = 0
 
     def _measure(self) -> None:
-        """Find what has grown, and make so much room that it lasts for some results."""
+        """Measure all entries; on overflow make room for several more."""
         self._unmeasured = 0
         self._nbytes += sum(entry.measure() for entry in (*self._results.values(), *self._shared.values()))
         if self._nbytes <= self._limit:
@@ -111,7 +111,7 @@ class Cache:
 
 
 def _shared_parts(result: Any) -> Iterator[Any]:
-    """Yield the dataclasses to which a result refers: what it shares with others."""
+    """Yield the shared parts of a result: the dataclasses to which it refers."""
     for value in vars(result).values():
         if hasattr(value, "__dataclass_fields__"):
             yield value
@@ -119,7 +119,7 @@ def _shared_parts(result: Any) -> Iterator[Any]:
 
 
 def _nbytes(values: Iterable[Any]) -> int:
-    """Return the bytes of the arrays among values, and in dictionaries and tuples."""
+    """Return the bytes of arrays among values, including those in dictionaries and tuples."""
     total = 0
     for value in values:
         if isinstance(value, np.ndarray):

@@ -1,8 +1,8 @@
-"""Stored arrays against their records, and which of them this process has compared.
+"""Checks of stored arrays against their records, and memory of the arrays already checked.
 
-An array that somebody holds need not be read again: tables have many in common. One that is read again need
-not be hashed again: the checksums that its chunks had when it was written, or its sha256 compared, show
-whatever has changed in them since, but for a chance of one in four billion.
+An array in memory is not read again: tables share many arrays. An array that is read again is not hashed
+again: the checksums that its chunks had when it was written or last hashed reveal any later change, with
+a chance of one in four billion to miss it.
 """
 
 import hashlib
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sweep.storage.cache import Latest
 
 REMEMBERED = 4096
-"""Arrays, at a few hundred bytes each, whose chunks' checksums are kept."""
+"""Number of arrays whose chunk checksums are kept, a few hundred bytes each."""
 
 _in_memory: "WeakValueDictionary[str, NDArray[Any]]" = WeakValueDictionary()
 _chunks: Latest[str, bytes] = Latest(REMEMBERED)
@@ -34,33 +34,33 @@ def checksum(array: NDArray[Any]) -> dict[str, Any]:
 
 
 def arrays_in_memory(arrays: Mapping[str, Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
-    """Return those of the arrays of a record that are in memory."""
+    """Return the arrays of a record that are in memory."""
     candidates = {name: _in_memory.get(_key(recorded)) for name, recorded in arrays.items()}
     return {name: array for name, array in candidates.items() if array is not None}
 
 
 def hold(array: NDArray[Any], recorded: Mapping[str, Any]) -> None:
-    """Keep in mind that an array is the recorded one, as long as somebody holds it."""
+    """Remember that an array is the recorded one, as long as it is in memory."""
     _in_memory[_key(recorded)] = array
 
 
 def remember(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> None:
-    """Keep in mind that an array is the recorded one, and the checksums of its chunks."""
+    """Remember that an array is the recorded one, and the checksums of its chunks."""
     hold(array, recorded)
     remember_chunks(chunks, recorded)
 
 
 def remember_chunks(chunks: bytes, recorded: Mapping[str, Any]) -> None:
-    """Keep in mind the checksums of the chunks of an array that has been compared or written."""
+    """Remember the chunk checksums of an array that was compared or written."""
     _chunks[_key(recorded)] = chunks
 
 
 def is_unchanged(array: NDArray[Any], chunks: bytes, recorded: Mapping[str, Any]) -> bool:
-    """Return whether an array has the recorded form, and its chunks the checksums that are in mind."""
+    """Return whether an array has the recorded form, and its chunks the remembered checksums."""
     form = array.dtype.name, list(array.shape)
     return form == (recorded["dtype"], recorded["shape"]) and _chunks.get(_key(recorded)) == chunks
 
 
 def _key(recorded: Mapping[str, Any]) -> str:
-    """Return the checksum of a record's array with its form as one text."""
+    """Return checksum, dtype and shape of a recorded array as one key."""
     return f"{recorded['sha256']} {recorded['dtype']} {recorded['shape']}"

@@ -1,12 +1,11 @@
 """The bytes of a Zarr group (version 3) of small arrays, each in chunks of whole rows without compression.
 
-A chunk lies beside its array's metadata, as `c.0.0`: a group takes one folder per array. Groups with a folder
-per dimension of a chunk, as railvib wrote them once, are read as well.
+A chunk lies beside its array's metadata, as `c.0.0`, so a group has one folder per array. Groups with one
+folder per dimension, from earlier versions of railvib, can be read as well.
 
-Every object of a group is made and read here in one go, from and to memory. The zarr library goes through an
-event loop for each of them, which for groups of a few hundred kilobytes takes ten times as long as all else
-that a task does to store its results; it is what other readers open the groups with, and what the tests hold
-this form to.
+All objects of a group are encoded and decoded here in memory. The zarr library runs an event loop for each
+object, which for groups of a few hundred kilobytes takes ten times as long as everything else in storing a
+result. The tests open the groups with the zarr library, as other readers do.
 """
 
 import json
@@ -22,16 +21,16 @@ from numpy.typing import NDArray
 from sweep.storage.protocol import Content
 
 _CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "crc32c"}]
-"""Complex fields do not compress; the checksum shows a torn chunk to any reader."""
+"""No compression, as complex fields do not compress; the checksum reveals a torn chunk to any reader."""
 _CRC_BYTES = 4
 _ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 _PLACE = "place"
-"""What is said of one array of a stack beside its own: where it is."""
+"""Key of slice metadata: the index of the array in its stack."""
 _SEPARATOR = "."
-"""In the keys of chunks. A slash, the format's default, makes two more folders of each array."""
+"""Separator in chunk keys. A slash, the format's default, would add two folders per array."""
 
 METADATA = "zarr.json"
-"""Key of what is said of a group or of an array, below its own."""
+"""Key of the metadata of a group or an array, below its own."""
 _GROUP = (
     b'{"zarr_format":3,"node_type":"group","attributes":%b,'
     b'"consolidated_metadata":{"kind":"inline","must_understand":false,"metadata":{%b}}}'
@@ -52,7 +51,7 @@ def encode_array(
     metadata
         `dims`, and `unit`, `description` and further `attributes` if it has them.
     chunk_bytes
-        Size from which the array is cut along its first dimension.
+        Size above which the array is cut along its first dimension.
     """
     shape = _chunk_shape(array, chunk_bytes)
     form = _array_metadata(name, array.shape, array.dtype, shape, metadata)
@@ -74,7 +73,7 @@ def encode_stack(
 
 
 def slice_metadata(metadata: Mapping[str, Any], place: int) -> dict[str, Any]:
-    """Return what to say of one array of a stack so that `chunk_keys` and `decode_array` take it alone."""
+    """Return metadata with which `chunk_keys` and `decode_array` take one array of a stack alone."""
     grid = metadata["chunk_grid"]
     grid = {**grid, "configuration": {"chunk_shape": grid["configuration"]["chunk_shape"][1:]}}
     return {
@@ -104,16 +103,16 @@ def encode_attributes(attributes: Mapping[str, Any]) -> bytes:
 
 def encode_group(arrays: Mapping[str, bytes], attributes: bytes) -> bytes:
     """Return the metadata of a group from those of its arrays and from encoded attributes."""
-    # What is said of the arrays is repeated, an extension of the format for which xarray looks.
+    # The arrays' metadata are repeated: consolidated metadata, which xarray looks for.
     repeated = b",".join(b"%b:%b" % (_quote(name), array) for name, array in arrays.items())
     return _GROUP % (attributes, repeated)
 
 
 @lru_cache(32)
 def decode_group(content: bytes) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    """Return what a group repeats of its arrays' metadata by their names, and its attributes.
+    """Return the consolidated metadata of a group's arrays by name, and its attributes.
 
-    Kept for the next results of the same group.
+    Cached for the next results of the same group.
 
     Raises
     ------
@@ -125,19 +124,19 @@ def decode_group(content: bytes) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
 
 
 def chunk_keys(name: str, metadata: Mapping[str, Any]) -> list[str]:
-    """Return the keys of an array's chunks below the group's from what is said of the array."""
+    """Return the keys of an array's chunks below the group's."""
     separator = metadata["chunk_key_encoding"]["configuration"]["separator"]
     shape = metadata["chunk_grid"]["configuration"]["chunk_shape"]
     return [f"{name}/{key}" for key in _keys(metadata["shape"], shape, metadata.get(_PLACE, ()), separator)]
 
 
 def decode_array(name: str, metadata: Mapping[str, Any], objects: Objects) -> tuple[NDArray[Any], bytes]:
-    """Return an array of a group, and the checksums of its chunks, which have been looked at.
+    """Return an array of a group, and the checksums of its chunks, which are verified.
 
     Raises
     ------
     ValueError, KeyError, TypeError
-        If a chunk is missing, torn, or not in the form that it is encoded in here.
+        If a chunk is missing, torn, or encoded in another way than here.
     """
     if metadata["codecs"] != _CODECS:
         raise ValueError(f"{name}: is encoded in another way")
@@ -145,14 +144,14 @@ def decode_array(name: str, metadata: Mapping[str, Any], objects: Objects) -> tu
     chunk_shape = metadata["chunk_grid"]["configuration"]["chunk_shape"]
     if 0 in shape:
         return np.empty(shape, dtype), b""
-    if list(chunk_shape[1:]) != list(shape[1:]):  # a stack of arrays that are cut themselves
+    if list(chunk_shape[1:]) != list(shape[1:]):  # a stack of arrays that are themselves cut into chunks
         slices = (decode_array(name, slice_metadata(metadata, place), objects) for place in range(shape[0]))
         arrays, checksums = zip(*slices, strict=True)
         return np.stack(arrays), b"".join(checksums)
     parts = [_verify(key, objects) for key in chunk_keys(name, metadata)]
     content = parts[0][0] if len(parts) == 1 else np.concatenate([chunk for chunk, _ in parts])
     array = np.frombuffer(content, dtype).reshape((-1, *chunk_shape[1:]) if shape else ())
-    # Arrays that cannot be written to are another type to compiled kernels.
+    # For read-only arrays Numba would compile kernels again.
     array = (array[: shape[0]] if shape else array).astype(dtype.newbyteorder("="), copy=False)
     return array if array.flags.writeable else array.copy(), b"".join(checksum for _, checksum in parts)
 
@@ -192,7 +191,7 @@ def _chunk_shape(array: NDArray[Any], chunk_bytes: int) -> list[int]:
 
 
 def _fill(dtype: np.dtype[Any]) -> Any:
-    """Return what a reader sees where a chunk is missing: NaN, or zero where there is none."""
+    """Return the fill value for missing chunks: NaN, or zero for types without NaN."""
     return {"c": ["NaN", "NaN"], "f": "NaN", "b": False}.get(dtype.kind, 0)
 
 
@@ -219,7 +218,7 @@ def _chunks(
 
 
 def _chunk(rows: NDArray[Any], shape: Sequence[int], view: bool) -> Content:
-    """Return a chunk's bytes with their checksum; one that is not full is filled up, as the format says."""
+    """Return a chunk's bytes and their checksum; a partial chunk is padded, as the format demands."""
     dtype = rows.dtype.newbyteorder("<")
     if view and rows.dtype == dtype and rows.flags.c_contiguous and rows.shape == tuple(shape):
         data = rows.reshape(-1).view(np.uint8)
@@ -237,7 +236,7 @@ def _chunk(rows: NDArray[Any], shape: Sequence[int], view: bool) -> Content:
 
 
 def _verify(key: str, objects: Objects) -> tuple[NDArray[np.uint8], bytes]:
-    """Return the bytes of a chunk and its checksum, after a look at that."""
+    """Verify the checksum of a chunk; return its bytes and the checksum."""
     content = np.frombuffer(objects[key], np.uint8)
     chunk, stored = content[:-_CRC_BYTES], content[-_CRC_BYTES:].tobytes()
     if _crc(chunk) != stored:

@@ -34,16 +34,16 @@ class Part(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """What a result consists of: its own part, and what it shares with others."""
+    """The parts of a result: its own, and those that it shares with other results."""
 
     member: Part
-    """Its own part: what tells it from other members of a group."""
+    """Its own part, in which the members of a group differ."""
     shared: tuple[Part, ...]
     dimension: str | None
-    """Along which results lie that share everything else; None for a result that shares nothing."""
+    """Dimension along which results that share the rest are stacked; None if nothing is shared."""
 
     def with_attributes(self, **attributes: Any) -> "Parts":
-        """Return the same with further attributes of its own."""
+        """Return the parts with further attributes of the result's own."""
         return self._replace(member=self.member._replace(attributes=self.member.attributes | attributes))
 
     @property
@@ -63,7 +63,7 @@ class Parts(NamedTuple):
 
     @property
     def group_key(self) -> tuple[Any, ...]:
-        """Equal for results that can lie in one group: they share the same, and their arrays are alike."""
+        """Key that is equal for results that can be stored in one group."""
         form = [(name, array.shape, array.dtype) for name, (array, _) in self.member.arrays.items()]
         return tuple(part.source for part in self.shared), tuple(form)
 
@@ -91,7 +91,7 @@ def _split(result: Any, sizes: dict[str, int]) -> Iterator[Part]:
             continue
         array = np.asarray(value)
         dims = field.metadata["dims"]
-        if array.dtype.kind == "U":  # Zarr's format has no settled form for text
+        if array.dtype.kind == "U":  # Zarr has no stable format for text
             part.attributes[field.name] = array.tolist()
             continue
         if array.ndim != len(dims) or array.dtype.kind not in "fciub":
@@ -107,7 +107,7 @@ def _split(result: Any, sizes: dict[str, int]) -> Iterator[Part]:
 
 
 _in_memory: "WeakValueDictionary[tuple[Any, ...], Any]" = WeakValueDictionary()
-"""What results share, by its type and content, as long as one of them is in memory."""
+"""Shared parts by type and content, as long as a result that refers to them is in memory."""
 
 
 def restore(
@@ -116,9 +116,9 @@ def restore(
     attributes: Mapping[str, Any],
     recorded: Recorded | None = None,
 ) -> Result:
-    """Return the dataclass that arrays and attributes were stored for.
+    """Return the dataclass whose arrays and attributes were stored.
 
-    What it shares is one object for all results in memory whose records hold the same of it.
+    A shared part is one object for all results in memory whose records agree in it.
     """
     values: dict[str, Any] = {}
     for field in dataclasses.fields(result_type):  # type: ignore[arg-type]
@@ -139,7 +139,7 @@ def _restore_shared(
     attributes: Mapping[str, Any],
     recorded: Recorded | None,
 ) -> Any:
-    """Return what several results share: the object in memory if there is one of the same content."""
+    """Return a shared part: the object in memory if one has the same content."""
     if recorded is None:
         return restore(result_type, arrays, attributes)
     key = result_type, *_content(result_type, attributes, recorded)
@@ -150,7 +150,7 @@ def _restore_shared(
 
 
 def _content(result_type: Any, attributes: Mapping[str, Any], recorded: Recorded) -> Iterator[Any]:
-    """Yield what a dataclass holds: checksums of its arrays, and its attributes as text."""
+    """Yield the content of a dataclass: checksums of its arrays, and its attributes as text."""
     for field in dataclasses.fields(result_type):
         if _dimension(field):
             yield from _content(field.type, attributes, recorded)
@@ -162,17 +162,17 @@ def _content(result_type: Any, attributes: Mapping[str, Any], recorded: Recorded
 
 
 def _dimension(field: "dataclasses.Field[Any]") -> str | None:
-    """Return the dimension along which results lie that share what a field refers to, else None."""
+    """Return the dimension along which results that share this field are stacked, or None."""
     return field.metadata.get("shared_by")
 
 
 def _stored_name(field: "dataclasses.Field[Any]", attribute: Callable[[str], Any]) -> str:
-    """Return an array's name in the store: its field's, or what another field of the result calls it."""
+    """Return an array's name in the store: that of its field, or what `called_by` refers to."""
     return str(attribute(field.metadata["called_by"])) if "called_by" in field.metadata else field.name
 
 
 def _plain(value: Any) -> Any:
-    """Return an attribute as JSON can hold it: complex numbers as pairs, what is not finite as text."""
+    """Return an attribute in plain JSON: complex numbers as pairs, NaN and infinity as text."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, complex):

@@ -1,7 +1,7 @@
 """A folder of a file system as a location.
 
-Keys may come from records and metadata that somebody has altered: none leads out of the folder, only regular
-files are read, and only what a writer left aside is removed, links themselves instead of what they lead to.
+Keys may come from altered records and metadata. So no key leads out of the folder, only regular files are
+read, and only a writer's leftovers are removed; of links the link itself, never its target.
 """
 
 import errno
@@ -20,7 +20,7 @@ from railvib.errors import InputError
 from sweep.storage.protocol import NONE, Content
 
 _UNREADABLE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ELOOP, errno.ENXIO, errno.ENAMETOOLONG)
-"""Errors of a path at which there is no file, and which say nothing about the disk."""
+"""Errors that mean only that there is no such file, and say nothing about the disk."""
 _TEMPORARY = re.compile(r"[0-9a-f]{32}")
 
 
@@ -30,7 +30,7 @@ class Folder:
     def __init__(self, path: Path | str) -> None:
         self._top = Path(path)
         self.address = str(path)
-        # Paths are joined as text below: for small files, pathlib takes as long as reading or writing them.
+        # Paths are joined as text: for small files pathlib takes as long as the reading or writing.
         self._folder = f"{self._top}{os.sep}"
 
     def read(self, key: str) -> bytes | None:
@@ -56,13 +56,15 @@ class Folder:
         for key in _keys(place) if keys is None else keys:
             try:
                 contents[key] = _read(self._path(f"{prefix}/{key}"))
-            except OSError as error:  # perhaps just being replaced: the reader will find that it is missing
+            except (
+                OSError
+            ) as error:  # may be in the middle of a replacement; the reader notices that it is missing
                 if error.errno not in _UNREADABLE:
                     raise
         return contents
 
     def names(self, prefix: str) -> list[str]:
-        """Return what a folder holds but for files that are being written."""
+        """Return the names in a folder, without files that are being written."""
         try:
             with os.scandir(self._path(prefix)) as entries:
                 return [entry.name for entry in entries if not entry.name.endswith(".partial")]
@@ -78,7 +80,7 @@ class Folder:
     def create_many(self, contents: Mapping[str, bytes]) -> list[bool]:
         """Write temporary files, sync them, and link them to their names, which fails where one is taken.
 
-        The first sync takes along what else was written: one by one each would wait for the disk.
+        The first sync flushes the other files too; written one by one, each would wait for the disk.
         """
         temporary = {key: _temporary(self._path(key)) for key in contents}
         is_first = []
@@ -94,7 +96,7 @@ class Folder:
                 with suppress(FileNotFoundError, NotADirectoryError):
                     os.unlink(path)
         for folder in dict.fromkeys(map(os.path.dirname, temporary.values())):
-            _sync(folder)  # makes the names durable, not only the files behind them
+            _sync(folder)  # makes the names durable too, not only the contents
         return is_first
 
     def ensure(self, key: str, content: bytes) -> None:
@@ -103,7 +105,7 @@ class Folder:
             self.create(key, content)
 
     def replace(self, key: str, content: bytes) -> None:
-        """Write a file in one step, whatever was there; durable when this returns."""
+        """Replace a file in one step; durable when this returns."""
         path = self._path(key)
         temporary = _temporary(path)
         _write_below(temporary, content)
@@ -116,7 +118,7 @@ class Folder:
         _sync(os.path.dirname(path))
 
     def put(self, prefix: str, objects: Mapping[str, Content], same: Mapping[str, str] = NONE) -> int:
-        """Write a temporary folder and rename it to its place; what is there already gets another name."""
+        """Write a temporary folder and rename it to its place; anything in the way is renamed."""
         temporary = f"{self._folder}{self._partial(prefix)}/{uuid.uuid4().hex}"
         for folder in dict.fromkeys(key.rpartition("/")[0] for key in objects):
             _make_folder(f"{temporary}/{folder}" if folder else temporary)
@@ -128,7 +130,7 @@ class Folder:
         return written
 
     def remove(self, key: str) -> None:
-        """Remove a file or a link; a folder, which is nothing of ours, gets another name."""
+        """Remove a file or a link; a folder, which is not ours, is renamed."""
         try:
             os.unlink(self._path(key))
         except (IsADirectoryError, PermissionError):  # of a folder the latter on other systems than Linux
@@ -150,7 +152,7 @@ class Folder:
             raise InputError(f"--store = {self.address!r}: {nearest} is no folder that can be written to")
 
     def clean(self, prefix: str, older_than_s: float) -> None:
-        """Remove what writers that died have left aside of groups below a first part of keys."""
+        """Remove unfinished groups of dead writers below a prefix."""
         folder = self._top / self._partial(prefix)
         if folder.is_symlink():
             return
@@ -182,7 +184,7 @@ class Folder:
 
 
 def _link(path: str, name: str) -> bool:
-    """Give a file another name; return whether that could be done: not every file system can."""
+    """Link a file to a second name; return whether the file system can do that."""
     try:
         os.link(path, name)
     except OSError:
@@ -191,7 +193,7 @@ def _link(path: str, name: str) -> bool:
 
 
 def _link_first(path: str, name: str) -> bool:
-    """Give a file another name; return whether nothing had that: the first wins, whoever is slower."""
+    """Link a file to a second name; return False if the name is taken: the first writer wins."""
     try:
         os.link(path, name)
     except FileExistsError:
@@ -200,7 +202,7 @@ def _link_first(path: str, name: str) -> bool:
 
 
 def _make_folder(folder: str) -> None:
-    """Make a folder if it is missing, and those above it."""
+    """Create a folder and its parents if they are missing."""
     try:
         os.mkdir(folder)
     except FileExistsError:
@@ -210,12 +212,12 @@ def _make_folder(folder: str) -> None:
 
 
 def _read(path: str) -> bytearray:
-    """Return a regular file's content in memory that can be written to: an array needs no copy of it.
+    """Return a regular file's content in writable memory, so that arrays need no copy.
 
     Raises
     ------
     IsADirectoryError
-        If something else lies there, such as a pipe, of which opening does not wait for the other end.
+        If it is something else, such as a pipe; opening does not wait for the pipe's other end.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     with open(descriptor, "rb", buffering=0) as file:
@@ -234,13 +236,13 @@ def _write(path: str, content: Content) -> int:
 
 
 def _temporary(path: str) -> str:
-    """Return a name beside `path` that nobody else has."""
+    """Return a unique temporary name beside `path`."""
     folder, name = os.path.split(path)
     return f"{folder}/.{name}.{uuid.uuid4().hex}.partial"
 
 
 def _write_below(path: str, content: bytes) -> None:
-    """Write a file in a folder that is made if missing."""
+    """Write a file, and create its folder if missing."""
     try:
         _write(path, content)
     except FileNotFoundError:
@@ -249,7 +251,7 @@ def _write_below(path: str, content: bytes) -> None:
 
 
 def _set_aside(path: str) -> None:
-    """Give what lies in the way another name."""
+    """Rename whatever is in the way."""
     os.rename(path, f"{path}.{uuid.uuid4().hex[:8]}.damaged")
 
 
@@ -274,7 +276,7 @@ def _rename(partial: str, place: str) -> None:
         temporary = f"{os.path.dirname(partial)}/{uuid.uuid4().hex}"
         try:
             os.rename(place, temporary)
-        except FileNotFoundError:  # another writer was as quick: try again
+        except FileNotFoundError:  # another writer came first: try again
             continue
         if os.path.isdir(temporary) and not os.path.islink(temporary):
             shutil.rmtree(temporary)
@@ -289,7 +291,7 @@ def _is_same(one: Path, other: Path) -> bool:
 
 
 def _keys(top: str) -> Iterator[str]:
-    """Yield the paths of all files below a folder from there, with slashes; none where there is no folder."""
+    """Yield the paths of all files below a folder, relative and with slashes; none if it is missing."""
     for folder, _, names in os.walk(top):
         below = "" if folder == top else f"{os.path.relpath(folder, top)}/".replace(os.sep, "/")
         for name in names:

@@ -1,4 +1,4 @@
-"""The form that manifests and records have: what has another one counts as damaged, whoever wrote it."""
+"""The form of manifests and records; a file of another form counts as damaged."""
 
 from collections.abc import Callable, Mapping
 from datetime import datetime
@@ -8,7 +8,7 @@ Form = Callable[[Mapping[str, Any]], bool]
 
 
 def is_manifest(content: Mapping[str, Any]) -> bool:
-    """Return whether a manifest has what is read of it without a further look."""
+    """Return whether a manifest has all entries that are read without further checks."""
     return (
         _has(content, run_id=str, study_name=str, study=dict, cases=list, host=str, started=str)
         and _has(content, finished=str | None, exit_status=int | None)
@@ -18,7 +18,7 @@ def is_manifest(content: Mapping[str, Any]) -> bool:
 
 
 def is_record(content: Mapping[str, Any]) -> bool:
-    """Return whether the record of a stored unit has what is read of it without a further look."""
+    """Return whether a commit record has all entries that are read without further checks."""
     return (
         _has(content, kind=str, unit_id=str, group=str, arrays=dict, inputs=dict, costs=list)
         and ".." not in content["group"].split("/")
@@ -28,7 +28,7 @@ def is_record(content: Mapping[str, Any]) -> bool:
 
 
 def is_failure(content: Mapping[str, Any]) -> bool:
-    """Return whether the record of a failure has what is read of it without a further look."""
+    """Return whether the record of a failure has all entries that are read without further checks."""
     return _has(content, kind=str, unit_id=str, traceback=str)
 
 
@@ -46,7 +46,7 @@ def _is_case(case: Any) -> bool:
 
 
 def _is_moment(text: str | None) -> bool:
-    """Return whether a text is a date and a time with its zone; None stands for one to come."""
+    """Return whether a text is a date and time with a zone; None is a time to come."""
     try:
         return text is None or datetime.fromisoformat(text).tzinfo is not None
     except ValueError:

@@ -1,4 +1,4 @@
-"""All transfer functions of a run as one lazy dataset, put together from the store's immutable groups."""
+"""All transfer functions of a run as one lazy dataset, assembled from the groups of the store."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

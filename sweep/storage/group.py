@@ -1,7 +1,7 @@
 """A stored group as it is read, and compared with what its record holds.
 
-Results that have most of their arrays in common lie in one group. What is a result's own, the values of one
-receiver, is there part of an array with one dimension more: a result is the group without what others have.
+Results that share most of their arrays are stored in one group. The values of one receiver are a slice of an
+array with one more dimension. A result is the group without the slices of other results.
 """
 
 import hashlib
@@ -23,8 +23,7 @@ class DamagedError(Exception):
 
 
 MEMBERS = "members"
-"""Attribute of arrays that hold the values of several results one behind the other: the attributes of each
-result, by its label.
+"""Attribute of stacked arrays: the attributes of each result, by its label.
 """
 
 
@@ -41,7 +40,7 @@ class Group:
     attributes
         Its attributes.
     objects
-        The objects that it consists of, as far as they have been read.
+        Its objects, as far as they have been read.
     """
 
     name: str
@@ -53,9 +52,9 @@ class Group:
     def read_whole(
         cls, place: Location, prefix: str, name: str, digest: str | None = None, member: str | None = None
     ) -> "Group":
-        """Return a group with all its metadata and arrays; of several results in it those of one member.
+        """Read all metadata and arrays of a group, or of one member of it.
 
-        The metadata are compared with their digest if that is given.
+        The metadata are compared with their digest if it is given.
         """
         if member is None:
             objects = place.read_group(prefix)
@@ -91,7 +90,7 @@ class Group:
         known: Mapping[str, NDArray[Any]],
         member: str | None = None,
     ) -> "Group":
-        """Return a group whose own metadata have a digest, with those arrays only that are not known.
+        """Read a group whose metadata have this digest, without the arrays that are known.
 
         The metadata of its arrays are not read: the group's metadata repeat them.
         """
@@ -115,7 +114,7 @@ class Group:
             self._compare(name, self._decode(name)[0], recorded)
 
     def verify(self, recorded: Recorded, known: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-        """Return its arrays, of which some are known; compare those that were not compared before."""
+        """Return its arrays, including the known ones; compare those not compared before."""
         arrays = dict(known)
         for name in self._names(recorded):
             if name in known:

@@ -1,10 +1,10 @@
 """Writing results as immutable Zarr groups.
 
-`sweep.storage.fields` says which fields of a dataclass are arrays; all others become attributes. Results that
-share most of their arrays can lie in one group, as the transfer functions of several receivers do: what is
-each one's own lies along one dimension more, every result in chunks of its own. A group is encoded in memory,
-named after its content, and never changes. An array is one chunk, or is cut along its first dimension in
-`sweep.storage.codec` alone: no caller can write part of a chunk.
+`sweep.storage.fields` decides which fields of a dataclass are arrays; all others become attributes. Results
+that share most of their arrays, such as the transfer functions of several receivers, can be stored in one
+group. Their own arrays are stacked along a new dimension, each result in its own chunks. A group is encoded
+in memory, named after its content, and never changes. Only `sweep.storage.codec` cuts arrays into chunks, so
+no caller can write part of a chunk.
 """
 
 import dataclasses
@@ -24,7 +24,7 @@ from sweep.storage.protocol import Content
 from sweep.storage.store import GROUP_FIELDS, STORE
 
 CHUNK_BYTES = 64 * 2**20
-"""Size from which an array is cut."""
+"""Size above which an array is cut into chunks."""
 _DIGITS = 16
 """Hexadecimal digits of the digest in a group's name."""
 _EMPTY_GROUP = b'{"zarr_format":3,"node_type":"group","attributes":{}}'
@@ -45,13 +45,13 @@ class Written:
     metadata
         The sha256 of all Zarr metadata of the group and of its arrays.
     group_metadata
-        The sha256 of the group's metadata, which repeat those of the arrays: a reader needs no others.
+        The sha256 of the group's metadata, which repeat those of its arrays.
     attributes
         Its attributes, as they are read.
     values
         Its arrays, by name.
     bytes_written
-        Its share of the bytes written for the group; arrays that were linked do not count.
+        Its share of the bytes written for the group; linked arrays do not count.
     """
 
     group: str
@@ -70,14 +70,14 @@ class Written:
 
 @dataclasses.dataclass
 class _Stored:
-    """How a shared part was stored: its key, and metadata, chunks and checksums of its arrays."""
+    """Where a shared part was stored, with metadata, chunks and checksums of its arrays."""
 
     prefix: str
     heads: dict[str, bytes]
     chunks: dict[str, Mapping[str, Content]]
     checksums: dict[str, dict[str, Any]]
     shared: bool = False
-    """Whether several groups have it."""
+    """Whether several groups contain it."""
 
 
 @dataclasses.dataclass
@@ -89,13 +89,13 @@ class _Encoded:
     heads, chunks
         Metadata and chunks of each array.
     checksums
-        Checksums of the arrays that all results of the group have.
+        Checksums of the arrays that all results of the group share.
     member_checksums
         Checksums of each result's own arrays, by label.
     same
         Keys of objects of other groups with the same content, by keys of this one.
     fresh
-        Shared parts that no other group has yet.
+        Shared parts that are in no other group yet.
     """
 
     heads: dict[str, bytes] = dataclasses.field(default_factory=dict)
@@ -106,14 +106,14 @@ class _Encoded:
     fresh: list[fields.Part] = dataclasses.field(default_factory=list)
 
     def encode(self, part: fields.Part) -> None:
-        """Add the arrays of a part that no other group has."""
+        """Add the arrays of a part that is in no other group."""
         for key, (array, metadata) in part.arrays.items():
             self.heads[key], self.chunks[key] = codec.encode_array(key, array, metadata, CHUNK_BYTES)
             self.checksums[key] = checksums.checksum(array)
             checksums.remember_chunks(codec.chunk_checksums(self.chunks[key]), self.checksums[key])
 
     def link(self, stored: _Stored) -> None:
-        """Add the arrays of a part that another group has."""
+        """Add the arrays of a part that is in another group."""
         self.heads |= stored.heads
         self.chunks |= stored.chunks
         self.checksums |= stored.checksums
@@ -136,7 +136,7 @@ class _Encoded:
                 self.member_checksums.setdefault(label, {})[key] = checksum
 
     def placement(self, part: fields.Part, prefix: str) -> _Stored:
-        """Return how one of its parts was stored below a key."""
+        """Return where one of its parts was stored."""
         return _Stored(
             prefix,
             {key: self.heads[key] for key in part.arrays},
@@ -148,10 +148,9 @@ class _Encoded:
 class Writer:
     """Writes results as groups of the store at `home`.
 
-    What several results share is encoded and stored once: where the file system can, its files are given
-    another name in the groups of the others. How it was stored is remembered as long as it is in memory and,
-    after a call of `settle`, if several groups have it. Metadata that arrays have in common are stored once
-    too.
+    A part that several results share is encoded and stored once; where the file system can, the other groups
+    get hard links. Its place is remembered as long as the part is in memory and, after a call of `settle`, if
+    several groups contain it. Equal metadata of arrays are stored once too.
     """
 
     def __init__(self, home: records.Home) -> None:
@@ -176,8 +175,8 @@ class Writer:
     ) -> list[Written]:
         """Write results that agree in `Parts.group_key` as one group.
 
-        The group's name is `name` and a digest of its content. So writers whose results differ in the last
-        digit never touch each other's groups, and a record names the group that it stands for.
+        The group's name ends with a digest of its content. So writers whose results differ in the last digit
+        never touch each other's groups, and a record names exactly one content.
 
         Parameters
         ----------
@@ -202,7 +201,7 @@ class Writer:
             self._add(group, part)
         if alone:
             group.encode(first.member)
-        array_heads = dict(group.heads)  # those that arrays of other groups may have too
+        array_heads = dict(group.heads)  # metadata that arrays of other groups may share
         if not alone:
             group.stack(results)
         for key, head in array_heads.items():
@@ -243,10 +242,10 @@ class Writer:
             group.link(stored)
 
     def _put(self, prefix: str, heads: Mapping[str, bytes], group: _Encoded) -> int:
-        """Write a group to its place, and remember where its shared parts are; return the bytes written."""
+        """Write a group, and remember where its shared parts are; return the bytes written."""
         place = location.at(self._home)
         for level in _above(prefix):
-            if level not in self._ensured:  # so that the store can be walked from its root
+            if level not in self._ensured:  # so that readers can walk the store from its root
                 place.ensure(f"{level}/{codec.METADATA}", _EMPTY_GROUP)
                 self._ensured.add(level)
         objects: dict[str, Content] = {**heads}
@@ -258,7 +257,7 @@ class Writer:
         return written
 
     def settle(self) -> None:
-        """Forget how parts were stored that only one group has so far, as that takes as much memory again."""
+        """Forget parts that only one group contains so far: their chunks take as much memory again."""
         for part in [part for part, stored in self._stored.items() if not stored.shared]:
             del self._stored[part]
 
@@ -275,7 +274,7 @@ def write(home: records.Home, name: str, result: Any, attributes: Mapping[str, A
 
 
 def restore(written: Written, result_type: type[Result]) -> Result:
-    """Return what was written in the form in which it is read, from its arrays in memory."""
+    """Return a written result as it would be read back, from its arrays in memory."""
     arrays = checksums.arrays_in_memory(written.arrays)
     for name, recorded in written.arrays.items():
         if name not in arrays:
@@ -285,6 +284,6 @@ def restore(written: Written, result_type: type[Result]) -> Result:
 
 
 def _as_read(array: NDArray[Any]) -> NDArray[Any]:
-    """Return an array in the form of one that has been read; other forms are other types to kernels."""
+    """Return an array as it would be read back: Numba compiles again for other layouts."""
     array = np.ascontiguousarray(array, array.dtype.newbyteorder("=")).reshape(array.shape)
     return array if array.flags.writeable else array.copy()

@@ -1,4 +1,4 @@
-"""Locations by their address, a path or s3://BUCKET/PREFIX, and what is common to all of them."""
+"""Locations by address, a path or s3://BUCKET/PREFIX, and errors common to all of them."""
 
 import errno
 import re
@@ -11,7 +11,7 @@ from sweep.storage.protocol import Location
 
 S3 = "s3://"
 ABANDONED_S = 24 * 3600.0
-"""Age at which a writer's temporary files count as abandoned, where others may be at work [s]."""
+"""Age at which temporary files count as abandoned while other writers may be at work [s]."""
 _FULL_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _FULL_WORDS = ("No space left on device", "Disk quota exceeded", "File too large")
 
@@ -21,9 +21,9 @@ class NoSpaceError(Exception):
 
 
 def is_full(error: BaseException) -> bool:
-    """Return whether an error says that a disk, a quota or the size allowed to a file is used up.
+    """Return whether an error means that a disk, a quota or a file size limit is used up.
 
-    Libraries that write files themselves pass on the system's words only.
+    Libraries that write files themselves pass on only the system's message.
     """
     if isinstance(error, OSError):
         return error.errno in _FULL_ERRORS
@@ -52,7 +52,7 @@ def is_bucket(address: Path | str) -> bool:
 
 
 def address(store: str) -> str:
-    """Return a user's `--store` in a form that holds anywhere: an absolute path, or an address.
+    """Return a user's `--store` as an absolute path or an address.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def _bucket_parts(address: str) -> list[str]:
     Raises
     ------
     InputError
-        If there is no bucket, or something that may be a secret stands before it.
+        If there is no bucket, or something before it may be a secret.
     """
     parts = [part for part in address.removeprefix(S3).split("/") if part]
     if not parts or "@" in parts[0] or ":" in parts[0]:

@@ -1,10 +1,10 @@
-"""What is done: one small JSON file per stored unit, written after its arrays, and one manifest per run.
+"""Records of finished work: one small JSON file per stored unit, written after its arrays, and manifests.
 
-The first commit record of a unit stays; its presence means that the unit is done. It ends with its own
-checksum: one that is torn or altered counts as absent. A record lies where its arrays lie: with the run, or
-in a store outside that many runs share and their manifests name. Failures and manifests lie with the run,
-under `failed` and `runs`; `run.json` is the latest manifest. Everything else, the database included, can be
-rebuilt from these files and the arrays.
+A unit is done when it has a commit record; the first record stays. A record ends with its own checksum; a
+torn or altered one counts as absent. Records lie with their arrays: in the run directory, or in a shared
+store that the manifests name. Failures and manifests lie in the run directory, under `failed` and `runs`;
+`run.json` is the latest manifest. Everything else, including the database, can be rebuilt from these files
+and the arrays.
 """
 
 import hashlib
@@ -20,7 +20,7 @@ from sweep.storage.forms import Form, is_failure, is_manifest, is_record
 
 SCHEMA = 2
 _WITHOUT_CHECKSUM = 1
-"""The schema before records had checksums."""
+"""Schema of records without checksums, before they had any."""
 RECORDS = "records"
 MANIFEST = "run.json"
 _CHECKSUM = "sha256"
@@ -28,7 +28,7 @@ _FAILED = "failed"
 _RUNS = "runs"
 
 Home = Path | str
-"""Where units lie: the path of a run directory, or path or address of a store outside."""
+"""Where units are stored: the path of a run directory, or the path or address of a shared store."""
 
 
 class Run:
@@ -36,7 +36,7 @@ class Run:
 
     @staticmethod
     def load(directory: Path | str) -> dict[str, Any]:
-        """Return the latest manifest of a run directory, where `run.json` is damaged its copy.
+        """Return the latest manifest of a run directory; if `run.json` is damaged, its copy.
 
         Raises
         ------
@@ -64,7 +64,7 @@ def runs(directory: Path | str) -> list[dict[str, Any]]:
 
 
 def homes(directory: Path | str) -> tuple[Home, ...]:
-    """Return where the units of a run directory lie: there, and in the store that its latest run names."""
+    """Return where the units of a run directory are stored: there, and in the store of its latest run."""
     path = Path(directory) / MANIFEST
     try:
         state = path.stat()
@@ -76,7 +76,7 @@ def homes(directory: Path | str) -> tuple[Home, ...]:
 
 @lru_cache(16)
 def _store(directory: Path, changed: int, size: int) -> str | None:
-    """Return the store that the manifest of a directory names; read once, for it may be large."""
+    """Return the store that the manifest of a directory names; cached, as manifests may be large."""
     named: str | None = Run.load(directory).get("store")
     return named
 
@@ -84,7 +84,7 @@ def _store(directory: Path, changed: int, size: int) -> str | None:
 def commits(directory: Path | str, stage: str | None = None) -> Iterator[dict[str, Any]]:
     """Yield the commit records of a run directory, of one stage or of all, by stage and id.
 
-    Of a store outside only those count that a run of the directory needs.
+    Of a shared store, only units that a run of the directory needs are included.
     """
     run, *outside = homes(directory)
     keys_by_home = {home: _entries(home, stage) for home in (run, *outside)}
@@ -103,14 +103,14 @@ def commits(directory: Path | str, stage: str | None = None) -> Iterator[dict[st
 
 
 def failures(directory: Path | str) -> Iterator[dict[str, Any]]:
-    """Yield the records of failures that no later attempt has made good."""
+    """Yield the records of failures whose units are still not done."""
     for failure in _folder(directory, _FAILED, is_failure):
         if all(find(home, failure["kind"], failure["unit_id"]) is None for home in homes(directory)):
             yield failure
 
 
 def ids_of(directory: Path | str) -> set[str]:
-    """Return the ids of all committed units of a run directory, from the names of their records alone."""
+    """Return the ids of all units of a run directory that have a record, from file names alone."""
     run, *outside = homes(directory)
     ids = ids_at(run)
     for home in outside:
@@ -119,7 +119,7 @@ def ids_of(directory: Path | str) -> set[str]:
 
 
 def ids_at(home: Home) -> set[str]:
-    """Return the ids of all units committed at one place, whoever asked for them."""
+    """Return the ids of all units that have a record at one place, whichever run computed them."""
     return {unit_id for _, unit_id in _entries(home)}
 
 
@@ -129,24 +129,24 @@ def find(home: Home, stage: str, unit_id: str) -> dict[str, Any] | None:
 
 
 def commit(home: Home, record: Mapping[str, Any]) -> bool:
-    """Write a commit record unless there is one; return whether this one is the first and so counts."""
+    """Write a commit record unless there is one; return whether this is the first, which counts."""
     return commit_many(home, [record])[0]
 
 
 def commit_many(home: Home, batch: Sequence[Mapping[str, Any]]) -> list[bool]:
-    """Write commit records, one per unit, unless there are some; return of each whether it counts."""
+    """Write commit records of several units; return for each whether it is the first."""
     place = location.at(home)
     contents = {_key(record["kind"], record["unit_id"]): _encode(record) for record in batch}
     is_first = place.create_many(contents)
     for number, (record, (key, content)) in enumerate(zip(batch, contents.items(), strict=True)):
         if not is_first[number] and _record(record["unit_id"], place.read(key)) is None:
-            place.remove(key)  # one that cannot be read holds its name for nothing
+            place.remove(key)  # an unreadable record must not block the unit
             is_first[number] = place.create(key, content)
     return is_first
 
 
 def withdraw(home: Home, stage: str, unit_id: str) -> None:
-    """Take back the commit record of a unit whose arrays were found damaged, so that it is computed again."""
+    """Remove the commit record of a damaged unit, so that it is computed again."""
     location.at(home).remove(_key(stage, unit_id))
 
 
@@ -156,7 +156,7 @@ def fail(directory: Path | str, record: Mapping[str, Any]) -> None:
 
 
 def forget_failure(directory: Path | str, unit_id: str) -> None:
-    """Remove the record of a failure that a later attempt has made good."""
+    """Remove the record of a failure after a later attempt has succeeded."""
     Folder(directory).remove(_key(_FAILED, unit_id))
 
 
@@ -194,7 +194,7 @@ def _record(unit_id: str, encoded: bytes | None) -> dict[str, Any] | None:
 
 
 def _folder(directory: Path | str, name: str, form: Form) -> list[dict[str, Any]]:
-    """Return the whole files of one folder of a run directory's records, in order of their names."""
+    """Return the valid files in one folder of a run directory's records, in order of their names."""
     place = Folder(directory)
     keys = [_key(name, unit_id) for _, unit_id in _entries(directory, name)]
     contents = (_decode(encoded, form) for encoded in place.read_many(keys))
@@ -218,6 +218,6 @@ def _decode(encoded: bytes | None, form: Form) -> dict[str, Any] | None:
 
 
 def _encode(content: Mapping[str, Any]) -> bytes:
-    """Return a record as one line of JSON, with the sha256 of all that stands before as its last entry."""
+    """Return a record as one line of JSON; its last entry is the sha256 of the text before."""
     body = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))[:-1].encode()
     return body + f',"{_CHECKSUM}":"{hashlib.sha256(body).hexdigest()}"}}\n'.encode()

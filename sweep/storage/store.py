@@ -1,4 +1,4 @@
-"""Reading results from the store of a run, or from one that runs share: dataclasses, or plain arrays.
+"""Reading results from the store of a run or a shared store, as dataclasses or plain arrays.
 
 `sweep.storage.group_writer` writes them.
 """
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 STORE = "transfer_functions.zarr"
 GROUP_FIELDS = ("group", "member", "arrays", "metadata", "group_metadata")
-"""What a record holds of a group."""
+"""Entries of a record that describe its group."""
 
 
 def read(
@@ -32,16 +32,16 @@ def read(
     group_metadata: str | None = None,
     member: str | None = None,
 ) -> Result:
-    """Read a group of the store at `home` back as a `result_type`, compared with what its record holds.
+    """Read a group of the store at `home` as a `result_type`, and check it against its record.
 
-    An array is compared with its sha256, or, if this process has written or compared it before, by the
-    checksums that its chunks had then; one that is in memory is not read again. Where the record has the
-    sha256 of the group's own metadata, these are enough, as they repeat those of its arrays.
+    An array is checked by its sha256 or, if this process has written or checked it before, by the checksums
+    of its chunks; an array in memory is not read again. If the record has the sha256 of the group's own
+    metadata, no others are read, as these repeat those of the arrays.
 
     Raises
     ------
     DamagedError
-        If the group is missing, cannot be decoded or is not the one recorded.
+        If the group is missing, cannot be decoded or is not the recorded one.
     """
     values, attributes = _read(home, group, arrays, metadata, group_metadata, member)
     return fields.restore(result_type, values, attributes, arrays)
@@ -50,12 +50,12 @@ def read(
 def read_result(
     directory: Path | str, record: Mapping[str, Any]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Return the arrays of a record of a run by name, compared as by `read`, and the group's attributes.
+    """Return the arrays of a record by name, checked as in `read`, and the group's attributes.
 
     Raises
     ------
     DamagedError
-        If the group is missing, cannot be decoded or is not the one recorded.
+        If the group is missing, cannot be decoded or is not the recorded one.
     """
     recorded: dict[str, Any] = {name: record.get(name) for name in GROUP_FIELDS}
     return _read(_home(directory, record["group"]), **recorded)
@@ -79,7 +79,7 @@ def _read(
 
 
 def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Return the arrays of one group that a run rests on by name, and the group's attributes.
+    """Return the arrays of a group of a run by name, unchecked, and the group's attributes.
 
     Raises
     ------
@@ -91,12 +91,12 @@ def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[An
 
 
 def check(directory: Path | str, record: Mapping[str, Any]) -> None:
-    """Read the group of a record, and compare all of it with the sha256 that the record holds.
+    """Read the group of a record, and check all of it against the recorded sha256.
 
     Raises
     ------
     DamagedError
-        If the group is missing, cannot be decoded or is not the one recorded.
+        If the group is missing, cannot be decoded or is not the recorded one.
     """
     group = _read_whole(directory, record["group"], record.get("metadata"), record.get("member"))
     group.check(record["arrays"])
@@ -109,7 +109,7 @@ def _read_whole(
 
 
 def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":
-    """Return one array of a group that a run rests on, to be read in parts."""
+    """Open one array of a group of a run, to read parts of it."""
     import zarr
 
     place = location.at(_home(directory, group))
@@ -117,7 +117,7 @@ def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]
 
 
 def read_array(directory: Path | str, group: str, member: str | None, name: str) -> NDArray[Any]:
-    """Return one array of a result without comparing it."""
+    """Return one array of a result, unchecked."""
     array = open_array(directory, group, name)
     members = array.attrs.get(MEMBERS)
     if member is None or members is None:
@@ -127,11 +127,11 @@ def read_array(directory: Path | str, group: str, member: str | None, name: str)
 
 
 def _home(directory: Path | str, group: str) -> records.Home:
-    """Return where a group of a run lies: with the run if it is there, else in the store outside."""
+    """Return where a group of a run is stored: with the run if it is there, else in the shared store."""
     run, *outside = records.homes(directory)
     return run if not outside or (Path(run) / STORE / group).is_dir() else outside[0]
 
 
 def clean(home: records.Home, older_than_s: float = 0.0) -> None:
-    """Remove unfinished groups of writers that died; where others may be writing, only old ones."""
+    """Remove unfinished groups of dead writers; while others may be writing, only old ones."""
     location.at(home).clean(STORE, older_than_s)

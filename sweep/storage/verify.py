@@ -1,4 +1,4 @@
-"""Whether what is stored is what was stored: every record, array and attribute that a run rests on."""
+"""Verification of every record, array and attribute that a run rests on."""
 
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -9,12 +9,12 @@ from sweep.storage import records, store
 from sweep.unit import Unit
 
 THREADS = 4
-"""They read and hash side by side; more do not help where reading is bound by Python."""
+"""Threads that read and hash; more do not help, as Python limits reading."""
 
 
 @dataclass(frozen=True)
 class Damage:
-    """A result that is not what was stored, and why."""
+    """A damaged result, with the reason."""
 
     unit: Unit
     reason: str
@@ -25,7 +25,7 @@ class Damage:
 
 
 def find_damage(directory: Path, units: Iterable[Unit]) -> Iterator[Damage]:
-    """Read the stored results of units that have a record; yield those that are damaged."""
+    """Read the stored results of all units that have a record; yield the damaged ones."""
     present = records.ids_of(directory)
     stored = [unit for unit in units if unit.id in present]
     with ThreadPoolExecutor(THREADS) as pool:
@@ -35,7 +35,7 @@ def find_damage(directory: Path, units: Iterable[Unit]) -> Iterator[Damage]:
 
 
 def withdraw(directory: Path, units: Iterable[Unit]) -> list[Damage]:
-    """Take back the records of damaged results, so that they are computed again; return what was damaged."""
+    """Withdraw the records of damaged results, so that they are computed again; return the damage."""
     damages = list(find_damage(directory, units))
     for damage in damages:
         for home in records.homes(directory):
@@ -44,7 +44,7 @@ def withdraw(directory: Path, units: Iterable[Unit]) -> list[Damage]:
 
 
 def _fault(directory: Path, unit: Unit) -> str | None:
-    """Return what is wrong with a stored result, or None."""
+    """Return the fault of a stored result, or None."""
     candidates = (records.find(home, unit.stage_name, unit.id) for home in records.homes(directory))
     record = next((record for record in candidates if record is not None), None)
     if record is None:

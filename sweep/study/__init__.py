@@ -1,4 +1,4 @@
-"""The study file: what is asked for, checked at once and in full before anything is computed or written."""
+"""The study file, checked in full before anything is computed or written."""
 
 from sweep.study.cases import Case, Resolved, load, resolve
 from sweep.study.files import read_toml

@@ -1,7 +1,7 @@
-"""A study whose names are known, and its cases.
+"""A resolved study, and its cases.
 
-Names are resolved to physical objects here, inline definitions before the library's. What follows works with
-objects and ids only; names come back in the manifest, as labels.
+Names are resolved to physical objects here; inline definitions take precedence over the library's. Later
+steps use objects and ids only; names return in the manifest, as labels.
 """
 
 from collections.abc import Iterator, Mapping
@@ -40,7 +40,7 @@ class Label(NamedTuple):
 class Case:
     """One combination of the axes: the physics, its id, and every label it has in this study.
 
-    Where two names stand for equal things, a case has several labels; the first gives it its names.
+    If two names have equal definitions, a case has several labels; its own names are those of the first.
     """
 
     soil: str
@@ -54,7 +54,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Resolved:
-    """A study whose names are known: every physical object by kind and name."""
+    """A study with its physical objects, by kind and name."""
 
     study: Study
     objects: Mapping[str, Mapping[str, BaseModel]]
@@ -68,7 +68,7 @@ class Resolved:
         }
 
     def cases(self) -> Iterator[Case]:
-        """Yield the cases, each once, soil by soil so that what shares a ground is together."""
+        """Yield each case once, soil by soil, so that cases on one ground follow each other."""
         axes = self.study.sweep
         labels: dict[str, list[Label]] = {}
         for label in map(
@@ -76,7 +76,9 @@ class Resolved:
         ):
             things: dict[str, Canonical] = {kind: self.canonical[kind][getattr(label, kind)] for kind in AXES}
             known = labels.setdefault(identity.case_id(things, label.speed_kmh / KMH), [])
-            if all(label[:-1] != other[:-1] for other in known):  # equal speeds are one, however written
+            if all(
+                label[:-1] != other[:-1] for other in known
+            ):  # equal speeds are one, however they are written
                 known.append(label)
         for case_id, (first, *others) in labels.items():
             yield Case(*first, case_id, (first, *others))
@@ -92,7 +94,7 @@ class Resolved:
         }
 
     def document(self) -> dict[str, Any]:
-        """Return the study with all it names spelt out: it can be resolved without the library."""
+        """Return the study with all definitions included, so that it can be resolved without the library."""
         document = self.study.model_dump(mode="json", by_alias=True, exclude_none=True)
         return document | self.parameters() | {"vehicle": {}}
 
@@ -128,7 +130,7 @@ def resolve(tables: Mapping[str, Any]) -> Resolved:
     """
     study = validated(Study, plain(tables))
     definitions: dict[str, Mapping[str, Any]] = {kind: getattr(study, kind) for kind in library.KINDS}
-    for kind in library.KINDS:  # also those that no axis names
+    for kind in library.KINDS:  # also those that no axis uses
         for name, table in definitions[kind].items():
             library.build(kind, table, where=f"{kind}.{name}", vehicles=study.vehicle)
     objects: dict[str, dict[str, BaseModel]] = {}

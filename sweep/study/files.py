@@ -1,4 +1,4 @@
-"""TOML files as plain tables, and what to say of those that are none."""
+"""TOML files as plain tables, with helpful errors for invalid ones."""
 
 import codecs
 import re
@@ -9,7 +9,7 @@ from typing import Any
 from railvib.errors import InputError
 
 LARGEST_FILE = 16 * 2**20
-"""Bytes; a study of 100,000 speeds has one."""
+"""Largest file in bytes; a study of 100,000 speeds takes 1 MB."""
 
 ENCODINGS = {
     codecs.BOM_UTF32_LE: "UTF-32",
@@ -17,7 +17,7 @@ ENCODINGS = {
     codecs.BOM_UTF16_LE: "UTF-16",
     codecs.BOM_UTF16_BE: "UTF-16",
 }
-"""By their byte order marks, a longer one before the shorter one that it begins with."""
+"""Encodings by byte order mark; a longer mark stands before the shorter one that it starts with."""
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -43,7 +43,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: is not valid TOML: {error}{_remedy(text, str(error))}") from None
     except RecursionError:
         raise InputError(f"{path}: is not valid: its lists or tables are nested too deeply") from None
-    except ValueError as error:  # an integer of thousands of digits, a date that does not exist
+    except ValueError as error:  # such as an integer of thousands of digits, or a date that does not exist
         raise InputError(f"{path}: is not valid TOML: {error}") from None
 
 

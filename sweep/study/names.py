@@ -1,4 +1,4 @@
-"""What a name may be: it becomes part of the names of files and folders, on any system."""
+"""Rules for names, which become parts of file and folder names on any system."""
 
 import re
 from typing import Annotated
@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import AfterValidator, Strict
 
 LONGEST = 100
-"""Bytes; a file's name may have 255, and more stands in it than one name."""
+"""Largest length in bytes; a file name may have 255, and holds more than one such name."""
 
 DEVICES = {
     "con",
@@ -15,7 +15,7 @@ DEVICES = {
     "nul",
     *(f"{port}{number}" for port in ("com", "lpt") for number in range(10)),
 }
-"""Names that Windows keeps for devices, with any ending."""
+"""Names that Windows reserves for devices, with any extension."""
 
 
 def check_name(name: str) -> str:

@@ -64,5 +64,5 @@ def _check_length(key: str, value: float, length: float) -> None:
 
 
 def _round(values: Iterable[float]) -> list[float]:
-    """Return values without their rounding errors: each shall have the id of the value typed in."""
+    """Return values without rounding errors, so that they have the ids of the values typed in."""
     return [float(f"{value:.12g}") for value in values]

@@ -1,4 +1,4 @@
-"""The sections of a study file, and what each of their keys may be."""
+"""The sections of a study file, and the allowed values of their keys."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -20,17 +20,17 @@ from sweep.study.ranges import LARGEST_AXIS, axis
 Value = TypeVar("Value")
 
 LARGEST_LIST = 1000
-"""Names on an axis, and offsets."""
+"""Largest number of names on an axis, and of offsets."""
 
 Hertz = Annotated[Number, Field(ge=0.1, le=500.0)]
-"""Midbands for which the physics has been verified."""
+"""Range of midbands in which the physics has been verified."""
 
 Offset = Annotated[Number, Field(ge=0.0, le=FARTHEST)]
 Truth = Annotated[bool, Strict()]
 
 
 def _once(values: tuple[Value, ...]) -> tuple[Value, ...]:
-    """Return the values in their order, each once."""
+    """Return the values without repetitions, in order."""
     return tuple(dict.fromkeys(values))
 
 
@@ -42,7 +42,7 @@ class Section(Parameters):
 
     @classmethod
     def places(cls) -> dict[str, str]:
-        """Return the path of the table in a study by each key that another table has."""
+        """Return for each key the tables that have it, as text for hints about misplaced keys."""
         sections = {
             name: field.annotation
             for name, field in Study.model_fields.items()
@@ -62,7 +62,7 @@ class Section(Parameters):
 
 
 class Heading(Section):
-    """What the study is called: a name for its output directory, a title for people; neither enters an id."""
+    """Name of the study, for its output directory, and its title, for people; neither enters an id."""
 
     name: Annotated[str, Strict()]
     title: Annotated[str, Strict(), Field(min_length=1, max_length=200)] | None = None
@@ -100,7 +100,7 @@ class Frequency(Section):
 
 
 class Receivers(Section):
-    """Where vibration is wanted: on the rail, and on the ground at distances from the track's centre line."""
+    """Receivers: on the rail, and on the ground at offsets from the track's centre line."""
 
     rail: Truth = True
     offsets_m: Annotated[tuple[Offset, ...], Field(max_length=LARGEST_LIST)] = ()
@@ -113,7 +113,7 @@ class Receivers(Section):
 
 
 class Approaches(Section):
-    """Which approaches are compared, with which of them, and what their spectra are averaged over."""
+    """Approaches to compare, the reference among them, and what spectra are averaged over."""
 
     compare: Annotated[tuple[Approach, ...], Field(min_length=1)]
     reference: Approach
@@ -144,17 +144,17 @@ class Axes(Section):
 
     @property
     def combinations(self) -> int:
-        """How many combinations of their values there are."""
+        """Number of combinations of the axes' values."""
         return math.prod(len(values) for values in dict(self).values())
 
     def unusual(self) -> Iterator[str]:
-        """Yield that the slowest speed is hardly one of trains."""
+        """Yield a warning if the slowest speed is implausible for trains."""
         if text := slow(min(self.speed_kmh)):
             yield f"speed_kmh = {text}"
 
 
 class Accuracy(Section):
-    """How exact the transfer functions are, relative to themselves, at each requested offset."""
+    """Relative tolerance of the transfer functions at each requested offset."""
 
     tolerance: Annotated[Number, Field(ge=1e-6, le=1e-2)] = 1e-4
 
@@ -168,7 +168,7 @@ class Lines(Section):
 
 
 class Output(Section):
-    """What of the narrow-band spectra goes to the database; all of it stays in the store."""
+    """Narrow-band spectra that go to the database; the store keeps all."""
 
     narrow_band: Literal["all", "none"] | tuple[Lines, ...] = "all"
 

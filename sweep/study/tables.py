@@ -1,4 +1,4 @@
-"""Tables before they are looked at: neither deeper nor larger than any study, every text in one spelling."""
+"""Tables before validation: limits on depth and size, and one spelling of every text."""
 
 import unicodedata
 from collections.abc import Mapping
@@ -8,11 +8,11 @@ from railvib.errors import InputError
 from railvib.parameters.validation import LARGEST_INTEGER, shown
 
 DEEPEST = 16
-"""Tables and lists inside each other."""
+"""Largest depth of nested tables and lists."""
 
 
 def plain(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """Return tables with every text and key in Unicode's form NFC, so that equal names are equal.
+    """Return tables with all texts and keys in Unicode form NFC, so that names that look equal are equal.
 
     Raises
     ------
