@@ -10,6 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 LAWS = "physics/test_laws_of_both_approaches.py"
+PASSAGE = "physics/test_random_passage.py"
 COVERED = {
     "railvib/cli.py": "railvib/library/test_command.py",
     "railvib/errors.py": "railvib/test_plausibility.py",
@@ -30,6 +31,17 @@ COVERED = {
     "railvib/parameters/approach.py": "railvib/stages/test_graph.py",
     "railvib/parameters/composite_vehicle.py": "railvib/parameters/test_rake.py",
     "railvib/parameters/speed.py": "railvib/test_plausibility.py",
+    "railvib/passage/_kernels/panel_series.py": PASSAGE,
+    "railvib/passage/amplitudes.py": PASSAGE,
+    "railvib/passage/ensemble.py": PASSAGE,
+    "railvib/passage/excitation.py": PASSAGE,
+    "railvib/passage/full_model.py": PASSAGE,
+    "railvib/passage/grid.py": PASSAGE,
+    "railvib/passage/levels.py": PASSAGE,
+    "railvib/passage/metrics.py": PASSAGE,
+    "railvib/passage/moments.py": PASSAGE,
+    "railvib/passage/moving_roughness.py": PASSAGE,
+    "railvib/passage/quasi_static.py": PASSAGE,
     "railvib/psd/_kernels/averages.py": "railvib/psd/test_train_average.py",
     "railvib/psd/_kernels/moments.py": "railvib/psd/test_excitation.py",
     "railvib/psd/full_model.py": LAWS,
@@ -64,6 +76,7 @@ COVERED = {
     "railvib/transfer/interpolate.py": "railvib/transfer/test_transfer_function.py",
     "railvib/transfer/interpolation_error.py": "railvib/transfer/test_tabulate.py",
     "railvib/transfer/samples.py": "railvib/transfer/test_tabulate.py",
+    "railvib/transfer/steady_response.py": "physics/test_passage_in_time.py",
     "railvib/transfer/track_response.py": "consistency/test_rail_on_springs.py",
     "sweep/cautions.py": "sweep/test_wanted.py",
     "sweep/driver.py": "sweep/test_cli.py",
