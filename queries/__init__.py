@@ -18,20 +18,20 @@ class Results:
         self._connection = connection.connect(named)
 
     def __enter__(self) -> "Results":
-        """Return itself; leaving the block lets go of the database."""
+        """Return itself; leaving the block closes the database."""
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
     def sql(self, statement: str, parameters: tuple[Any, ...] = ()) -> "pandas.DataFrame":
-        """Return the answer to one statement that reads."""
+        """Return the answer to one read-only statement."""
         from queries.answers.sql import query
 
         return query(self._connection, statement, parameters).fetchdf()
 
     def ask(self, name: str, folder: Path | str | None = None, **parameters: Any) -> "pandas.DataFrame":
-        """Return the answer to a question that has a name, see `railvib queries`."""
+        """Return the answer to a named question; see `railvib queries`."""
         from queries.answers.questions import question
         from queries.answers.sql import query
 
@@ -65,7 +65,7 @@ class Results:
         return self.sql("FROM tradeoff")
 
     def close(self) -> None:
-        """Let go of the database."""
+        """Close the database."""
         self._connection.close()
 
 

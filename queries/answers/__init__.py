@@ -1,4 +1,4 @@
-"""What is asked of the results: comparisons, SQL, shipped questions, summaries and exports."""
+"""Answers from the results: comparisons, SQL, shipped questions, summaries and exports."""
 
 from queries.answers.approaches import in_order, label, reference, requested_approaches
 from queries.answers.cases import MANY_CASES, NamedCase, case_count, named_cases, varying

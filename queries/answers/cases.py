@@ -13,11 +13,11 @@ HEADINGS = {name: name for name in (*AXES, "receiver", "approach")} | {
 }
 """Headings of columns of tables."""
 MANY_CASES = 12
-"""Above this number of cases tables show what holds over cases, and figures a sample of them."""
+"""Number of cases above which tables summarise them, and figures show a sample."""
 
 
 class NamedCase(NamedTuple):
-    """A case under one of the names that studies give it; train_id says what the name of its train means."""
+    """A case under one of its names; `train_id` identifies the definition of its train."""
 
     case_id: str
     soil: str
@@ -29,14 +29,14 @@ class NamedCase(NamedTuple):
 
 
 def named_cases(connection: duckdb.DuckDBPyConnection) -> list[NamedCase]:
-    """Return a case per combination of names, in the order of the study: the newest that they stand for."""
+    """Return one case per combination of names, the newest, in the order of the study."""
     columns = ", ".join(NamedCase._fields)
     rows = connection.execute(f"SELECT {columns} FROM named_cases ORDER BY place").fetchall()
     return [NamedCase(*row) for row in rows]
 
 
 def case_count(connection: duckdb.DuckDBPyConnection) -> int:
-    """Return the number of cases; one that has two names counts under each."""
+    """Return the number of cases; a case with two names counts twice."""
     row = connection.execute("SELECT count(*) FROM cases").fetchone()
     return int(row[0]) if row else 0
 
@@ -49,13 +49,13 @@ def varying(connection: duckdb.DuckDBPyConnection) -> list[str]:
 
 
 def shared_speed(connection: duckdb.DuckDBPyConnection) -> float | None:
-    """Return the speed that all cases have, km/h, if there is one."""
+    """Return the speed of all cases, km/h, or None if they have several."""
     rows = connection.execute("SELECT DISTINCT speed_kmh FROM cases LIMIT 2").fetchall()
     return float(rows[0][0]) if len(rows) == 1 else None
 
 
 def positions(connection: duckdb.DuckDBPyConnection) -> Mapping[str, Mapping[Any, int]]:
-    """Return the place of every value of an axis: in the order of the study, speeds ascending."""
+    """Return the position of every value of an axis: in study order, speeds ascending."""
     rows = connection.execute(f"SELECT {', '.join(AXES.values())} FROM cases ORDER BY rowid").fetchall()
     columns = list(zip(*rows, strict=True)) or [()] * len(AXES)
     values = {axis: list(dict.fromkeys(column)) for axis, column in zip(AXES, columns, strict=True)}

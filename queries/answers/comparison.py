@@ -1,4 +1,4 @@
-"""Two sets of levels, of which one is set against the other: two approaches, or two runs."""
+"""Pairs of levels to compare: two approaches, or two runs."""
 
 import hashlib
 import json
@@ -14,25 +14,25 @@ from queries.statements import statements
 _SQL = statements("queries.answers", "comparison")
 CASE_NAMES = ("soil", "track", "train", "unevenness", "speed_kmh", "approach")
 _NAMES = (*CASE_NAMES, "contribution", "quantity", "receiver", "averaging", "band_hz")
-"""Columns in which rows of two runs agree; in offsets as well, which may be NULL."""
+"""Columns by which rows of two runs are matched, beside offsets, which may be NULL."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two sets of levels, of which one is set against the other.
+    """A pair of sets of levels: the first is compared with the second.
 
     Attributes
     ----------
     title
-        What is set against what.
+        Names both.
     sign
-        What is subtracted from what.
+        States which is subtracted from which.
     rows
         SQL of rows with the columns of the macro `compare`.
     parameters
         Values of its parameters by name.
     approach
-        The approach that is set against another; None for two runs, whose rows have a column with it.
+        The approach that is compared; None for two runs, whose rows have a column for it.
     """
 
     title: str
@@ -54,7 +54,7 @@ class Pair:
 
     @staticmethod
     def of_runs(first: "Levels", second: "Levels") -> "Pair":
-        """Return the pair of two runs, case by case and approach by approach of the same names."""
+        """Return the pair of two runs, matched by the names of cases and approaches."""
         rows = _SQL["two-runs"].format(
             columns=", ".join(f"first.{name}" for name in (*_NAMES, "offset_m")),
             first=first.relation("levels"),
@@ -70,7 +70,7 @@ class Pair:
         )
 
     def materialize(self, connection: duckdb.DuckDBPyConnection) -> "Pair":
-        """Return the pair with its rows in a table of this connection, for what groups them repeatedly."""
+        """Return the pair with its rows in a temporary table, so that they are computed once."""
         text = json.dumps([self.rows, dict(self.parameters)])
         table = f"pair_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
         exists = "SELECT 1 FROM duckdb_tables() WHERE temporary AND table_name = $1"
@@ -114,7 +114,7 @@ class Levels:
 
 
 def pairs(connection: duckdb.DuckDBPyConnection) -> list[Pair]:
-    """Return every approach with the reference of the study."""
+    """Return the pair of every approach with the reference of the study."""
     against = reference(connection)
     others = (name for name in requested_approaches(connection) if name != against)
     return [Pair.of_approaches(name, against).materialize(connection) for name in others]

@@ -16,7 +16,7 @@ _SQL = statements("queries.answers", "costs")
 
 
 def cost_table(connection: duckdb.DuckDBPyConnection, by_case: bool = False) -> Table:
-    """Return what each approach costs per case, or over all cases where there are many, unless `by_case`."""
+    """Return the cost of each approach: per case if `by_case` or few, otherwise the mean over cases."""
     many = not by_case and case_count(connection) > MANY_CASES
     axes = [] if many else varying(connection)
     query = _SQL["per-case"].format(keys="".join(f"{AXES[axis]}, " for axis in axes))
@@ -77,7 +77,7 @@ def _cells(values: Iterable[Any]) -> list[str]:
 
 
 def cost_table_of_runs(connection: duckdb.DuckDBPyConnection, first: Levels, second: Levels) -> Table:
-    """Return what two runs cost per approach; times of different kinds of machine are not compared."""
+    """Return the costs of two runs per approach; times are compared on one kind of machine only."""
     query = _SQL["two-runs"].format(
         first=first.relation("runtime"),
         second=second.relation("runtime"),

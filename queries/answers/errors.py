@@ -1,6 +1,6 @@
-"""How far one set of levels is from another, over groups of cases, receivers and bands of one quantity.
+"""Errors of one set of levels against another, over groups of cases, receivers and bands.
 
-Results of different places - wheel-rail force, rail, ground - are never averaged together unless asked for.
+Wheel-rail force, rail and ground are never averaged together unless asked for.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,9 +23,9 @@ PLACES = {
     "force": "wheel-rail force of all axles",
     "velocity": "velocity of rail and ground together",
 }
-"""What may be averaged, in the order of preference; the last only where it is asked for."""
+"""Places whose results may be averaged, by preference; the last only on request."""
 _GROUPINGS = {**AXES, "receiver": _SQL["receiver"], "band": "band_hz", "approach": "approach"}
-"""What errors may be grouped by, as SQL."""
+"""Axes by which errors may be grouped, as SQL."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Error:
     Attributes
     ----------
     group
-        Values of what errors are grouped by.
+        Values of the axes of grouping.
     mean, mean_absolute, largest
         Mean, mean size, and the error of the largest size, dB.
     largest_band_hz
@@ -66,7 +66,7 @@ def errors(
     connection
         Results of runs.
     pair
-        What is set against what.
+        The pair to compare.
     by
         What to group by: soil, track, train, unevenness, speed, receiver, band, and for runs approach.
     contribution
@@ -101,7 +101,7 @@ def errors(
 
 
 def _rank(name: str, value: Any, distance: float, places: Mapping[str, Mapping[Any, int]]) -> Any:
-    """Return what a value is sorted by: its place in the study, and receivers from the wheel outwards."""
+    """Return the sort key of a value: its position in the study, and receivers from the wheel outwards."""
     if name == "receiver":
         return distance
     if name == "approach":
@@ -110,7 +110,7 @@ def _rank(name: str, value: Any, distance: float, places: Mapping[str, Mapping[A
 
 
 def usual_place(connection: duckdb.DuckDBPyConnection, pair: Pair) -> str:
-    """Return the place that stands for a pair where none is asked for: the ground, if there are results."""
+    """Return the default place of a pair: the ground, if it has results."""
     rows = connection.execute(_SQL["places"].format(rows=pair.rows), dict(pair.parameters)).fetchall()
     present = {place for (place,) in rows}
     return next((place for place in PLACES if place in present), "ground")

@@ -17,7 +17,7 @@ PARTITIONS = {
     "accuracy": ("approach", "quantity"),
     "psd": ("approach", "case_id"),
 }
-"""Large tables and views, with the columns by which they are cut into folders named column=value."""
+"""Large tables and views, with the columns that partition them into folders named column=value."""
 
 SINGLE = (
     "runs",
@@ -39,20 +39,20 @@ SINGLE = (
     "axles",
     "unevenness",
 )
-"""Small ones, a file each."""
+"""Small tables and views, one file each."""
 
 _COLUMNS = "columns.csv"
 
 
 def export(named: Path | str, folder: Path) -> list[str]:
-    """Write results as Parquet files into a new folder, and return what was written.
+    """Write results as Parquet files into a new folder, and return the names of the files.
 
     Parameters
     ----------
     named
         Run directory or database file.
     folder
-        Made; must not be there, or be empty.
+        Created; must be new or empty.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def export(named: Path | str, folder: Path) -> list[str]:
         If there are no results, or the folder holds something.
     """
     place = locate(named)
-    with connect(named):  # refuses what is no database of this version
+    with connect(named):  # refuses databases of other versions
         path = duckdb_path(place.path)
     partial = folder.with_name(f"{folder.name}.{os.getpid()}.partial")
     try:
@@ -91,7 +91,7 @@ def _copy(connection: duckdb.DuckDBPyConnection, table: str, path: Path, options
 
 
 def _write_columns(connection: duckdb.DuckDBPyConnection, path: Path) -> None:
-    """Write what every column means, with its unit: Parquet has no place for it that all readers show."""
+    """Write meaning and unit of every column: no Parquet metadata is shown by all readers."""
     rows = connection.execute(_SQL["columns"], [[*PARTITIONS, *SINGLE]]).fetchall()
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")

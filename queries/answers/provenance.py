@@ -1,4 +1,4 @@
-"""Where results come from: runs, hosts, versions, plans, and what the names of a study stand for."""
+"""Provenance of results: runs, hosts, versions, plans, and definitions of the study's names."""
 
 import json
 from typing import Any
@@ -12,7 +12,7 @@ _SQL = statements("queries.answers", "provenance")
 
 
 def tables(connection: duckdb.DuckDBPyConnection) -> list[Table]:
-    """Return the runs that results come from, what they took, and what their names stand for."""
+    """Return tables of runs, their costs, row counts, soils and failures."""
     return [table(connection) for table in (_runs, _planned_and_measured, _row_counts, _soils, _failures)]
 
 

@@ -1,7 +1,7 @@
-"""Questions about results that have a name: SQL files with a sentence that says what they answer.
+"""Named questions about results: SQL files with a sentence that says what they answer.
 
-A file begins with comments: the sentence first, then a line per parameter with its name, its value unless
-another is given, and its meaning, as in `-- $level_db = 80.0: level that is exceeded, dB`.
+A file begins with comments: the sentence first, then a line per parameter with its name, its default value
+and its meaning, as in `-- $level_db = 80.0: level that is exceeded, dB`.
 """
 
 import ast
@@ -20,7 +20,7 @@ _PARAMETER = re.compile(r"-- \$(?P<name>\w+) = (?P<value>.+?): (?P<meaning>.+)")
 
 @dataclass(frozen=True)
 class Parameter:
-    """A value that a question takes."""
+    """A parameter of a question."""
 
     default: str | float
     meaning: str

@@ -1,4 +1,4 @@
-"""Questions in SQL: one statement that reads, on a connection that can do nothing else, within limits."""
+"""Questions in SQL: one read-only statement, on a read-only connection, within limits."""
 
 import csv
 import json
@@ -23,16 +23,16 @@ _SQL = statements("queries.answers", "sql")
 _READING = ("SELECT", "EXPLAIN")
 _EXPLAIN = re.compile(r"^\s*explain(\s+analyze)?\b", re.IGNORECASE)
 _ROW_FUNCTIONS = ("generate_series", "json_each", "json_tree", "range", "repeat", "repeat_row", "unnest")
-"""Functions of DuckDB that give rows of their arguments, and do nothing else."""
+"""Table functions of DuckDB that only turn their arguments into rows."""
 _SHOWN_ROWS = 1000
 _FETCHED_ROWS = 10_000
 _OVERHEAD_BYTES = 2**28
-"""Memory of threads and of what is printed, beside that of a query."""
+"""Memory for threads and printing, beside that of a query."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What an answer may take: time, memory, and characters on the terminal."""
+    """Limits of an answer: time, memory, and characters on the terminal."""
 
     seconds: float = 60.0
     memory_mb: float = 2000.0
@@ -44,12 +44,12 @@ def query(
     statement: str,
     parameters: Mapping[str, Any] | Sequence[Any] = (),
 ) -> duckdb.DuckDBPyConnection:
-    """Run one statement that reads, and return the connection to fetch its rows from.
+    """Run one read-only statement, and return the connection to fetch its rows from.
 
     Parameters
     ----------
     connection
-        As `queries.database.connect` gives it: it refuses what this check might let pass.
+        From `queries.database.connect`, which refuses what this check might miss.
     statement
         One SELECT, FROM, WITH, VALUES, DESCRIBE, SHOW, SUMMARIZE or EXPLAIN.
     parameters
@@ -81,7 +81,7 @@ def query(
 
 
 def _table_functions(connection: duckdb.DuckDBPyConnection, statement: str) -> Iterator[str]:
-    """Yield the functions that a statement calls for rows: some change settings or write logs.
+    """Yield the table functions that a statement calls: some change settings or write logs.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def _table_functions(connection: duckdb.DuckDBPyConnection, statement: str) -> I
 
 
 def _reading_functions(connection: duckdb.DuckDBPyConnection) -> set[str]:
-    """Return the functions for rows that only read: of the database, of their arguments, and macros."""
+    """Return the table functions that only read, including macros."""
     rows = connection.execute(_SQL["functions-that-read"]).fetchall()
     return {*_ROW_FUNCTIONS, *(row[0].lower() for row in rows)}
 
@@ -161,7 +161,7 @@ def answer(
 def _enforce(connection: duckdb.DuckDBPyConnection, limits: Limits) -> Iterator[Event]:
     """Turn a query that takes too long or too much memory into an error of one line.
 
-    Yields what is set as soon as time is up.
+    Yields an event that is set as soon as time is up.
     """
     expired = Event()
 
@@ -193,7 +193,7 @@ def _enforce(connection: duckdb.DuckDBPyConnection, limits: Limits) -> Iterator[
 
 @contextmanager
 def _limit_memory(megabytes: float) -> Iterator[None]:
-    """Limit the memory of this process meanwhile: DuckDB does not count that of long texts."""
+    """Limit the memory of this process inside the block: DuckDB does not count long texts."""
     before = resource.getrlimit(resource.RLIMIT_DATA)
     used = getattr(psutil.Process().memory_info(), "data", None)  # on Linux
     if used is not None:
@@ -207,7 +207,7 @@ def _limit_memory(megabytes: float) -> Iterator[None]:
 
 
 class _Printed:
-    """A terminal that takes so many characters and no more."""
+    """Standard output with a limit on its number of characters."""
 
     def __init__(self, file: TextIO, megabytes: float) -> None:
         self._file = file
@@ -255,14 +255,14 @@ def _write(result: duckdb.DuckDBPyConnection, form: str, file: Any, expired: Eve
 
 
 def _write_parquet(result: duckdb.DuckDBPyConnection, output: Path) -> None:
-    """Write rows through a second, empty database: the one that reads results cannot write anywhere."""
+    """Write rows through a second, empty database: the read-only connection cannot write files."""
     frame = result.fetchdf()
     with duckdb.connect(":memory:") as writer:
         writer.from_df(frame).write_parquet(str(output.absolute()))
 
 
 def _line(error: duckdb.Error) -> str:
-    """Return the error in one line, with what DuckDB proposes instead."""
+    """Return the error in one line, with DuckDB's suggestion."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     text_lines = [line for line in lines if not line.startswith(("LINE ", "^"))]
     return " ".join(text_lines[:3]) if text_lines else "the statement is refused"

@@ -1,4 +1,4 @@
-"""What the results say, in sentences made from the database alone."""
+"""Summary of the results in sentences, from the database alone."""
 
 from collections.abc import Iterable, Sequence
 
@@ -17,12 +17,12 @@ _COSTS = statements("queries.answers", "costs")
 TRUSTED_DB = 3.0
 """Mean size of error up to which an approach may stand in for the reference: a factor of two in energy."""
 _COLUMNS = {"force": "forces", "rail": "rail", "ground": "ground"}
-"""Places with what their columns are called."""
+"""Column headings of places."""
 _SENTENCES = 6
-"""Sentences on extrapolated unevenness, at most."""
+"""Largest number of sentences on extrapolated unevenness."""
 
 _Cost = tuple[float | None, float | None, float | None, float | None]
-"""CPU seconds of a case and how much faster that is than the reference; the same of one more speed."""
+"""CPU seconds of a case, and speed-up over the reference; both again for one more speed."""
 _UNKNOWN: _Cost = (None, None, None, None)
 
 
@@ -74,13 +74,13 @@ def _ratio(factor: float, against: str) -> str:
 
 
 def _costs(connection: duckdb.DuckDBPyConnection) -> dict[str, _Cost]:
-    """Return what a case takes by each approach, mean over all cases."""
+    """Return the cost of a case by each approach, mean over all cases."""
     rows = connection.execute(_COSTS["mean-per-approach"]).fetchall()
     return {approach: (cpu, faster, *marginal) for approach, cpu, faster, *marginal in rows}
 
 
 def missing_notes(connection: duckdb.DuckDBPyConnection) -> list[str]:
-    """Return what was asked for and is not there, in sentences."""
+    """Return one sentence for each approach that lacks results."""
     cases = case_count(connection)
     return [
         f"Missing: {approach} lacks results in {count} of {cases} cases" + (f" ({error})." if error else ".")
@@ -89,7 +89,7 @@ def missing_notes(connection: duckdb.DuckDBPyConnection) -> list[str]:
 
 
 def extrapolation_notes(connection: duckdb.DuckDBPyConnection) -> list[str]:
-    """Return the bands in which more than half of the unevenness lies outside its range of validity."""
+    """Return sentences on bands where over half of the unevenness is extrapolated."""
     rows = connection.execute(_SQL["extrapolated"]).fetchall()
     sentences = []
     for unevenness, speeds, bands, every in rows[:_SENTENCES]:
@@ -107,7 +107,7 @@ def extrapolation_notes(connection: duckdb.DuckDBPyConnection) -> list[str]:
 
 
 def _ranges(bands: Sequence[float], every: Sequence[float]) -> str:
-    """Return bands as text, those that follow one another as a range."""
+    """Return bands as text, consecutive ones as a range."""
     places = sorted(every.index(value) for value in bands)
     runs: list[list[int]] = []
     for place in places:
@@ -151,14 +151,14 @@ def verdicts(connection: duckdb.DuckDBPyConnection, contribution: str = "dynamic
 
 
 def _mean(rows: Iterable[tuple[float, float, int]]) -> str:
-    """Return the mean size of the error over all values, from that of each band and their numbers."""
+    """Return the mean size of the error over all values, from means and counts of bands."""
     weighted = [(error * count, count) for _, error, count in rows]
     count = sum(number for _, number in weighted)
     return f"{sum(total for total, _ in weighted) / count:.1f}" if count else "–"
 
 
 def _lowest_trusted_band(rows: Iterable[tuple[float, float, int]]) -> str:
-    """Return the lowest band from which upwards the error is small, given from the highest band down."""
+    """Return the lowest band above which all errors are small; rows come from the highest band down."""
     lowest = None
     for band_hz, error, _ in rows:
         if error > TRUSTED_DB:

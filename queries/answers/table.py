@@ -24,7 +24,7 @@ class Table:
     rows
         Cells, as many per row as there are columns.
     words
-        How many columns from the left hold words; the others hold numbers and are set flush right.
+        Number of columns of words, on the left; the others hold numbers and are right-aligned.
     """
 
     title: str
@@ -34,7 +34,7 @@ class Table:
     note: str = ""
 
     def show(self, console: "Console") -> None:
-        """Print it, as wide as it is where the output is not a terminal."""
+        """Print the table; in a file it is not folded."""
         from rich.box import SIMPLE_HEAD
         from rich.console import Console
         from rich.table import Table as Grid
@@ -55,8 +55,8 @@ class Table:
         if console.is_terminal:
             for row in self.rows:
                 grid.add_row(*(Text(printable(cell)) for cell in row))
-        else:  # a file has no width: a table goes there as wide as it is, with nothing folded
-            if self.rows:  # then lines of one row do for many rows, each of which takes half a millisecond
+        else:  # a file has no width: nothing is folded
+            if self.rows:  # one row of many lines is faster: a row takes half a millisecond
                 columns = zip(*self.rows, strict=True)
                 grid.add_row(*(Text("\n".join(map(printable, column))) for column in columns))
             console = Console(file=console.file, width=_UNBOUNDED)
@@ -67,18 +67,18 @@ class Table:
 
 
 def printable(text: str) -> str:
-    """Return text without characters that a terminal obeys rather than shows."""
+    """Return text without control characters."""
     return "".join(character if character.isprintable() else " " for character in text)
 
 
 def plain(text: str) -> str:
-    """Return a name as a figure or sentence may show it; a leading underscore would hide it from a legend."""
+    """Return a name for figures and sentences; Matplotlib hides labels that begin with an underscore."""
     text = printable(text)
     return f" {text}" if text.startswith("_") else text
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """Return a number with so many significant digits, without an exponent; a dash for none."""
+    """Return a number rounded to significant digits, without an exponent; a dash for None."""
     if value is None or not math.isfinite(value):
         return "–"
     if value == 0:

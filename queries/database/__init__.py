@@ -1,4 +1,4 @@
-"""The results in DuckDB: its schema, and how stored records and arrays get into it."""
+"""The results in DuckDB: schema, ingest of records and arrays, and connections."""
 
 from queries.database.connection import connect, fetch_columns, fill_gaps, snapshot
 from queries.database.ingest import Ingest, begin, ingest, is_outdated

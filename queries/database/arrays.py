@@ -16,7 +16,7 @@ _KMH = 3.6
 
 
 class Reader:
-    """Takes the arrays of one run directory into the tables of a database, unit by unit.
+    """Inserts the arrays of one run directory into the tables of a database, unit by unit.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class Reader:
     source
         Its number in the database.
     contents
-        What its manifests say.
+        The content of its manifests.
     """
 
     def __init__(self, writer: Writer, directory: Path, source: int, contents: Contents) -> None:
@@ -39,7 +39,7 @@ class Reader:
         self._next_series = int(row[0]) if row else 0
 
     def read(self, record: Row) -> str | None:
-        """Insert the rows of one committed unit; return what is wrong with its arrays, if anything."""
+        """Insert the rows of one committed unit; return the fault of its arrays, if any."""
         from sweep.storage import store
 
         try:
@@ -99,7 +99,7 @@ class Reader:
     ) -> None:
         """Insert the receptance under the load, once for every soil and track whose cases use this unit."""
         nearest = int(np.argmin(np.abs(arrays["distance"])))
-        # Without `inside`, in older stores, frequencies of halos stay: they agree with their neighbours'.
+        # Older stores lack `inside`; their extra frequencies agree with those of neighbouring blocks.
         inside = arrays.get("inside", np.ones(arrays["frequency"].size, bool))
         frequency, first = np.unique(arrays["frequency"][inside], return_index=True)
         receptance = arrays["receptance"][inside, nearest][first]
@@ -132,7 +132,7 @@ def _peaks(keys: list[dict[str, Any]], mean_square: NDArray[Any]) -> NDArray[np.
 
 
 def wanted(setting: Any, approach: str, receiver: str, offset: float | None) -> bool:
-    """Return whether a receiver's narrow-band lines belong in the database; what a choice omits matches all.
+    """Return whether a receiver's lines belong in the database; keys that a choice omits match all.
 
     Parameters
     ----------
@@ -156,4 +156,4 @@ def wanted(setting: Any, approach: str, receiver: str, offset: float | None) -> 
 
 _Insert = Callable[[Reader, Row, Mapping[str, NDArray[Any]], Mapping[str, Any]], None]
 INSERTS: dict[str, _Insert] = {"spectra": Reader._insert_spectra, "receptance": Reader._insert_receptance}
-"""What inserts the arrays of a stage into the database; `kind` is the stage of a record or a row."""
+"""Methods that insert the arrays of a stage; records and rows call the stage `kind`."""

@@ -1,8 +1,8 @@
-"""How published results are read.
+"""Connections to published results.
 
-A published file is a snapshot: it is written aside and put in place by one rename, so a reader has all of one
-snapshot and is never blocked. A connection for reading reaches nothing else: the file is attached read-only,
-no other file can be opened, and the configuration cannot be changed.
+A published file is a snapshot: it is written aside and renamed, so that a reader sees all of one snapshot and
+is never blocked. A connection can only read: the file is attached read-only, no other file can be opened, and
+the configuration is locked.
 """
 
 import os
@@ -19,9 +19,9 @@ from queries.database import schema
 from queries.database.place import DATABASE, ResultsError, duckdb_path, locate, quote, reason
 
 MEMORY = "128MB"
-"""Memory that figures and report take of a database at a time."""
+"""Memory limit of DuckDB for figures and report."""
 _SMALL_BYTES = 2**28
-"""Size of a file up to which threads of a connection cost figures and report more than they save."""
+"""File size below which more than one thread makes figures and report slower."""
 
 
 def connect(
@@ -65,8 +65,8 @@ def attach(
 ) -> duckdb.DuckDBPyConnection:
     """Return a read-only connection to one database file, or to two.
 
-    The file is attached to a connection of its own rather than opened: DuckDB shares an opened file within a
-    process by its name, which would show the old snapshot after a new one has taken its place.
+    The file is attached to a new connection rather than opened: within a process DuckDB shares opened files
+    by name, and would show the old snapshot after a new one has replaced it.
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def attach(
     any_form
         Accept a file whose tables and views are those of another version.
     bounded
-        Hold no more than MEMORY of the file and of what is made of it, whatever its size; the rest goes to a
-        folder beside the file, or of the system. Otherwise nothing is written.
+        Limit the memory to MEMORY, whatever the size of the file; the rest is spilled to a folder beside the
+        file, or to the system's. Otherwise nothing is written.
     memory
         Largest memory of a query, such as "1GB". By default that of the machine.
 

@@ -1,4 +1,4 @@
-"""What the names of a study stand for, as rows: soils, tracks, trains and unevenness with their parts.
+"""Definitions of a study's names as rows: soils, tracks, trains and unevenness with their parts.
 
 Values arrive in the form of a study file, whose keys carry units; the columns of the tables have the same
 names, so a new parameter needs a column and nothing here.
@@ -24,19 +24,19 @@ TABLES = {
     "axles": ("train_id", "receiver"),
     "unevenness": ("unevenness_id",),
 }
-"""Tables with the columns that tell their rows apart; the first is the id of the named thing."""
+"""Tables with their key columns; the first is the id of the definition."""
 
 _AXLES_PER_VEHICLE = 4
 
 
 def identity(name: str, definition: Mapping[str, Any]) -> str:
-    """Return the id of a named thing: the same name with the same definition has the same id in every run."""
+    """Return the id of a name with its definition; it is the same in every run."""
     text = json.dumps([name, definition], sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def identities(manifest: Mapping[str, Any]) -> dict[str, dict[str, str]]:
-    """Return the id of everything that a manifest names, by kind and name."""
+    """Return the ids of all definitions of a manifest, by kind and name."""
     parameters = manifest.get("parameters", {})
     return {
         kind: {name: identity(name, definition) for name, definition in parameters.get(kind, {}).items()}
@@ -101,7 +101,7 @@ def _with_car(vehicle: Mapping[str, Any]) -> Row:
 
 
 def _axles_without_places(vehicles: Iterable[Mapping[str, Any]]) -> Iterator[Row]:
-    """Yield the axles of a train from its head, for older manifests, which do not say where they are."""
+    """Yield the axles of a train from its head, for older manifests, which lack their positions."""
     loads = [
         (number, vehicle.get("axle_load_n"))
         for number, vehicle in enumerate(vehicles, 1)

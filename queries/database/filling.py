@@ -1,4 +1,4 @@
-"""The rows of one run directory, brought up to date: what is there already is kept, for it cannot change."""
+"""Bring the rows of one run directory up to date; rows that are present are kept, as they cannot change."""
 
 import hashlib
 
@@ -18,7 +18,7 @@ _FROM_ARRAYS = ("bands", "receptances", "series", "ingested")
 _FROM_RECORDS = ("units", "unit_costs", "failures")
 _OF_RUNS = ("run_cases", "case_units", "runs")
 _MEMORY = "64MB"
-"""Memory that DuckDB may take for rows from arrays, whose number has no bound; the rest is in the file."""
+"""Memory limit of DuckDB while rows of arrays are inserted, whose number is unbounded."""
 
 
 def fill(connection: duckdb.DuckDBPyConnection, source: Source) -> list[str]:
@@ -59,14 +59,14 @@ def fill(connection: duckdb.DuckDBPyConnection, source: Source) -> list[str]:
 
 
 def finish(connection: duckdb.DuckDBPyConnection) -> None:
-    """Give the runs of all directories their numbers, and keep a digest of what results depend on."""
+    """Assign numbers to all runs, and store a digest of all that results depend on."""
     connection.execute(_SQL["number-runs"])
     connection.execute("DELETE FROM snapshot")
     connection.execute("INSERT INTO snapshot VALUES (?)", [_results(connection)])
 
 
 def _number(connection: duckdb.DuckDBPyConnection, source: Source) -> int:
-    """Return the number of a run directory in the file, a new one if it was not there."""
+    """Return the number of a run directory in the file; assign one if it has none."""
     row = connection.execute("SELECT source FROM sources WHERE directory = ?", [source.name]).fetchone()
     if row is None:
         row = connection.execute("SELECT coalesce(max(source), 0) + 1 FROM sources").fetchone()
@@ -79,7 +79,7 @@ def _number(connection: duckdb.DuckDBPyConnection, source: Source) -> int:
 def _drop_stale(
     connection: duckdb.DuckDBPyConnection, number: int, source: Source, contents: Contents
 ) -> None:
-    """Drop the rows from arrays of units that are no longer there, or serve other cases than they did."""
+    """Drop rows of arrays whose units are gone, or now serve other cases."""
     rows = connection.execute("SELECT unit_id, key FROM ingested WHERE source = ?", [number]).fetchall()
     stale = [
         unit
@@ -94,11 +94,11 @@ def _drop_stale(
 
 
 def _replace_descriptions(connection: duckdb.DuckDBPyConnection, number: int, contents: Contents) -> None:
-    """Bring runs, cases and what their names stand for up to date."""
+    """Bring runs, cases and definitions up to date."""
     for table in _OF_RUNS:
         runs = "SELECT run_id FROM runs WHERE source = $1"
         connection.execute(f"DELETE FROM {table} WHERE run_id IN ({runs})", [number])
-    # A copy of a run directory brings runs that another directory has brought already.
+    # Runs of a copied directory may be in the database already.
     elsewhere = {row[0] for row in connection.execute("SELECT run_id FROM runs").fetchall()}
     writer = Writer(connection)
     keys = {"cases": manifests.LABEL, "unevenness_bands": ("unevenness_id",)}
@@ -112,7 +112,7 @@ def _replace_descriptions(connection: duckdb.DuckDBPyConnection, number: int, co
 
 
 def _results(connection: duckdb.DuckDBPyConnection) -> str:
-    """Return a digest of what levels and figures depend on; a run that adds nothing leaves it as it is."""
+    """Return a digest of all that levels and figures depend on; runs that add nothing keep it."""
     digest = hashlib.sha256(schema.form_id().encode())
     for query in (
         "SELECT source, unit_id, key FROM ingested",

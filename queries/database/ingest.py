@@ -1,4 +1,4 @@
-"""From records and store to a database: published in one step, and left alone while nothing changed."""
+"""Ingest of records and store into a database, which is replaced in one step, and only after changes."""
 
 import shutil
 from collections.abc import Sequence
@@ -12,12 +12,12 @@ from queries.database.place import ResultsError, duckdb_path, locate, reason
 from queries.database.sources import Published, Source
 
 _TROUBLE = (OSError, duckdb.OperationalError, duckdb.FatalException)
-"""Errors of disks and memory, as against errors of a program."""
+"""Errors of disk and memory, not of the program."""
 
 
 @dataclass(frozen=True)
 class Ingest:
-    """What an ingest did.
+    """The outcome of an ingest.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Ingest:
 
 
 def begin(directory: Path | str) -> Path:
-    """Make the empty database that the first ingest of a run directory fills, and return its file."""
+    """Create the empty database for the first ingest of a run directory, and return its file."""
     path = locate(directory).path
     begun = replacement.aside(path, ".begun")
     if not path.exists():
@@ -55,20 +55,20 @@ def ingest(
 ) -> Ingest:
     """Derive a database from the records and stores of run directories, unless it is up to date.
 
-    The file is built aside and put in its place by one rename: readers see the old snapshot or the new one,
-    and an ingest that fails or is killed leaves the old one. Rows of units that are in the old snapshot
-    already are kept, for they cannot change; so are those of run directories that are not named.
+    The file is built aside and renamed: readers see the old snapshot or the new one, and a failed or killed
+    ingest leaves the old one. Rows of units that are in the old snapshot are kept, as they cannot change; so
+    are those of run directories that are not named.
 
     Parameters
     ----------
     directories
-        Run directories; none: those that `file` has, as far as they are still there.
+        Run directories; if empty, those of `file` that still exist.
     rebuild
-        Make the file anew, from the records and stores of `directories` alone.
+        Build the file from the records and stores of `directories` alone.
     file
         The database; by default that of the one run directory.
     begun
-        An empty database, if `begin` has made one; it is used up.
+        The empty database of `begin`, if there is one; it is moved into place.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def ingest(
 
 
 def _sources(path: Path, before: Published | None) -> list[Path]:
-    """Return the run directories that a file has, as far as they are still there."""
+    """Return the run directories of a file that still exist."""
     directories = [path.parent / name for name in (before.fingerprints if before else ())]
     present = [directory for directory in directories if directory.is_dir()]
     if not present:
@@ -108,7 +108,7 @@ def _sources(path: Path, before: Published | None) -> list[Path]:
 
 
 def _replace(path: Path, before: Published | None, sources: Sequence[Source], begun: Path | None) -> Ingest:
-    """Write a database aside, from the one before if there is any, and put it in place."""
+    """Write a database aside, starting from the present one if any, and put it in place."""
     replacement.remove_abandoned(path)
     replacement.check_space(path)
     partial = replacement.aside(path)
@@ -135,7 +135,7 @@ def _replace(path: Path, before: Published | None, sources: Sequence[Source], be
             filling.finish(connection)
             connection.commit()
             counts = replacement.row_counts(connection)
-            connection.execute("CHECKPOINT")  # closing would do it as well, and would not say if it fails
+            connection.execute("CHECKPOINT")  # closing would do this too, but hide a failure
         replacement.put_in_place(partial, path, counts, backup)
     finally:
         replacement.remove(partial)
@@ -150,7 +150,7 @@ def is_outdated(directory: Path | str) -> bool:
 
 
 def _read_published(path: Path, derivable: bool) -> Published | None:
-    """Return what is known of a file; None for none, and for a broken one that can be derived anew."""
+    """Return the state of a file; None if it is missing, or broken and can be rebuilt."""
     try:
         return Published.read(path)
     except ResultsError:

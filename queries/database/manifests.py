@@ -1,4 +1,4 @@
-"""What the manifests of all runs of a directory say, as rows of tables; no array is read here."""
+"""The manifests of all runs of a directory as rows of tables; no array is read here."""
 
 import hashlib
 import json
@@ -15,7 +15,7 @@ Row = Mapping[str, Any]
 Manifest = Mapping[str, Any]
 
 LABEL = ("case_id", *KINDS)
-"""Columns that tell the rows of cases apart: a case has a row for every label."""
+"""Key columns of cases, which have a row for every label."""
 
 
 @dataclass(frozen=True)
@@ -44,20 +44,20 @@ class Contents:
         return labels
 
     def label_values(self, unit: str, columns: Sequence[str]) -> list[tuple[Any, ...]]:
-        """Return these columns of the labels of all cases that a unit serves, each combination once."""
+        """Return some columns of the labels of all cases that a unit serves, each combination once."""
         cases = {case for case, _ in self.owners[unit]}
         rows = (row for case in cases for row in self._labels[case])
         return sorted({tuple(row[column] for column in columns) for row in rows}, key=str)
 
     def key(self, unit: str) -> str:
-        """Return a digest of what rows of a unit's arrays depend on besides: a change makes them stale."""
+        """Return a digest of all else that rows of a unit's arrays depend on: a change makes them stale."""
         named = self.label_values(unit, ("soil_id", "track_id"))
         text = json.dumps([sorted(self.owners[unit]), named, self.narrow_band], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 
 def contents(manifests: Sequence[Manifest]) -> Contents:
-    """Return what the manifests say, the earliest first."""
+    """Return the content of manifests, which come earliest first."""
     tables: dict[str, list[Row]] = {
         "runs": [_run(manifest) for manifest in manifests],
         "run_cases": [],
@@ -97,8 +97,8 @@ def contents(manifests: Sequence[Manifest]) -> Contents:
 
 
 def _labels(case: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the names and the speed of a case, as often as a study names it."""
-    for label in case.get("labels", [case]):  # older manifests hold one label, beside the id of the case
+    """Yield the labels of a case: its names and speed."""
+    for label in case.get("labels", [case]):  # in older manifests the case itself holds its one label
         yield {name: label[name] for name in (*KINDS, "speed_kmh")}
 
 

@@ -1,4 +1,4 @@
-"""Where results lie: the database of a run directory, or one file of many runs."""
+"""The place of results: the database of a run directory, or one file of many runs."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 DATABASE = "results.duckdb"
 _MANIFEST = "run.json"
 _SPECIAL = "?\\"
-"""Characters of a path that DuckDB does not take as they are; all others it does if the path is absolute."""
+"""Characters that DuckDB does not take literally in an absolute path."""
 
 
 class ResultsError(Exception):
@@ -15,7 +15,7 @@ class ResultsError(Exception):
 
 @dataclass(frozen=True)
 class Place:
-    """Where results lie: a database file, and what is made of it beside it.
+    """The place of results: a database file, with its figures and report beside it.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Place:
 
 
 def locate(named: Path | str) -> Place:
-    """Return where the results lie that a user names: a run directory or a database file.
+    """Return the place of results that a user names: a run directory or a database file.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def locate(named: Path | str) -> Place:
 
 
 def check_run(directory: Path | str) -> None:
-    """Refuse what is not the output directory of a run.
+    """Check that a directory is the output directory of a run.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def check_run(directory: Path | str) -> None:
 
 
 def duckdb_path(path: Path) -> str:
-    """Return a path in the form in which DuckDB takes it as the name of a file and as nothing else.
+    """Return a path in a form that DuckDB takes as a file name and nothing else.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""Replacing a database file: by one that is written aside, opened and counted again, and renamed.
+"""Replacing a database file: the new one is written aside, reopened and counted, and renamed.
 
-What a file held before stays until its successor is known to be whole.
+The old file stays until the new one is known to be whole.
 """
 
 import os
@@ -16,9 +16,9 @@ from queries.database.connection import attach
 from queries.database.place import ResultsError
 
 _ABANDONED_S = 3600.0
-"""Age from which the unfinished file of another process counts as left behind."""
+"""Age from which another process's unfinished file counts as abandoned."""
 _MARGIN_BYTES = 2**24
-"""Space that must be free beyond what is copied."""
+"""Space that must be free beyond that of the copy."""
 
 
 def aside(path: Path, purpose: str = "") -> Path:
@@ -27,7 +27,7 @@ def aside(path: Path, purpose: str = "") -> Path:
 
 
 def check_space(path: Path) -> None:
-    """Refuse to begin where the copy of a file would not fit.
+    """Check that there is space for a copy of a file.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def row_counts(connection: duckdb.DuckDBPyConnection) -> dict[str, int]:
 
 
 def put_in_place(partial: Path, path: Path, counts: Mapping[str, int], backup: Path | None = None) -> None:
-    """Give a finished file its place, if a reader finds all of its rows.
+    """Move a finished file to its place, after checking that a reader finds all of its rows.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def put_in_place(partial: Path, path: Path, counts: Mapping[str, int], backup: P
     counts
         Rows of every table that its writer has inserted.
     backup
-        Another name that the file before keeps.
+        Name under which the replaced file is kept.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def put_in_place(partial: Path, path: Path, counts: Mapping[str, int], backup: P
 
 
 def _end(connection: duckdb.DuckDBPyConnection, tables: Iterable[str]) -> int:
-    """Return where the last block with rows of the current database ends in its file, byte."""
+    """Return the file offset in bytes at which the last block with rows ends."""
     last = -1
     for table in tables:
         row = connection.execute("SELECT max(block_id) FROM pragma_storage_info($1)", [table]).fetchone()
@@ -93,7 +93,7 @@ def _end(connection: duckdb.DuckDBPyConnection, tables: Iterable[str]) -> int:
 
 
 def _keep(path: Path, backup: Path) -> None:
-    """Give a file another name, or copy it where a file has one name only."""
+    """Link a file to a second name, or copy it where links are not supported."""
     backup.unlink(missing_ok=True)
     try:
         os.link(path, backup)
@@ -109,7 +109,7 @@ def remove(partial: Path) -> None:
 
 
 def remove_abandoned(path: Path) -> None:
-    """Remove what processes that were killed left beside a database."""
+    """Remove files that killed processes left beside a database."""
     for leftover in path.parent.glob(f"{path.name}.*.partial*"):
         with suppress(FileNotFoundError):
             if time.time() - leftover.stat().st_mtime > _ABANDONED_S:
@@ -117,5 +117,5 @@ def remove_abandoned(path: Path) -> None:
 
 
 def _log(partial: Path) -> Path:
-    """Return the file in which DuckDB keeps what is not in the database file yet."""
+    """Return DuckDB's write-ahead log of a database file."""
     return partial.with_name(f"{partial.name}.wal")

@@ -1,4 +1,4 @@
-"""Rows into the tables of a database: many at once, for every statement costs milliseconds."""
+"""Inserting rows into a database, many at once: every statement costs milliseconds."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 _NUMBERS = ("INTEGER", "BIGINT", "DOUBLE")
 _HELD_ROWS = 400_000
-"""Rows of a table that are held in memory before they are inserted, some 10 MB."""
+"""Rows of a table that are buffered before they are inserted, some 10 MB."""
 
 Columns = Sequence[tuple[str, str]]
-"""Names and types."""
+"""Names and types of columns."""
 
 
 @dataclass
 class _Stretches:
-    """Stretches of rows that wait: text once per stretch, numbers in arrays as they came."""
+    """Buffered stretches of rows: text once per stretch, numbers in arrays as they came."""
 
     heads: list[Mapping[str, Any]] = field(default_factory=list)
     sizes: list[int] = field(default_factory=list)
@@ -39,7 +39,7 @@ class Writer:
             self._columns.setdefault(table, []).append((name, kind))
 
     def rows(self, table: str, rows: Iterable[Mapping[str, Any]], replacing: Sequence[str] = ()) -> None:
-        """Insert rows; what a row lacks becomes NULL, what a table lacks is left out.
+        """Insert rows; missing values become NULL, and columns that the table lacks are left out.
 
         Parameters
         ----------
@@ -86,12 +86,12 @@ class Writer:
             self._flush(table)
 
     def flush(self) -> None:
-        """Insert all stretches that wait, for good."""
+        """Insert and commit all buffered stretches."""
         for table in list(self._waiting):
             self._flush(table)
 
     def _flush(self, table: str) -> None:
-        """Insert the stretches of a table, for good: the memory of a transaction grows with its rows."""
+        """Insert and commit the stretches of a table: the memory of a transaction grows with its rows."""
         waiting = self._waiting.pop(table)
         numbers = {name: _concatenate(parts) for name, parts in waiting.numbers.items()}
         shared = [(name, kind) for name, kind in self._columns[table] if name not in numbers]
@@ -119,7 +119,7 @@ class Writer:
 
 
 def _concatenate(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Return the elements of arrays one after the other; they may be views of fewer elements."""
+    """Return the elements of arrays in one array; the arrays may be broadcast views."""
     joined = np.empty(sum(part.size for part in parts), np.result_type(*parts))
     first = 0
     for part in parts:
@@ -129,9 +129,9 @@ def _concatenate(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
 
 
 def _to_arrays(columns: Columns, rows: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[Any]]:
-    """Return rows as columns that DuckDB takes, in which NaN or an empty text stands for NULL."""
+    """Return rows as arrays for DuckDB, in which NaN or an empty text stands for NULL."""
     arrays: dict[str, NDArray[Any]] = {}
-    for name, kind in columns:  # not every DuckDB reads arrays of objects with gaps
+    for name, kind in columns:  # not every version of DuckDB reads object arrays with None
         values = [row.get(name) for row in rows]
         if kind in _NUMBERS:
             numbers = np.array([np.nan if value is None else value for value in values])
@@ -142,7 +142,7 @@ def _to_arrays(columns: Columns, rows: Sequence[Mapping[str, Any]]) -> dict[str,
 
 
 def _expression(name: str, kind: str, values: NDArray[Any]) -> str:
-    """Return the expression that makes a column of its array."""
+    """Return the SQL expression that turns an array into its column."""
     if kind not in _NUMBERS:
         return f"nullif(\"{name}\", '')::{kind}"
     if np.isnan(values).any():

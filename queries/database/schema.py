@@ -1,7 +1,7 @@
-"""The form of a results database: numbered migrations of its tables, and the views on top.
+"""The schema of a results database: numbered migrations of its tables, and the views on top.
 
-Tables change through migrations alone, which never change once released: a file of an older version gets
-those that it lacks. Views hold nothing, so they are dropped and made anew where a file's differ.
+Tables change through migrations only, and a released migration never changes: an older file gets those that
+it lacks. Views hold no data, so they are dropped and created again where a file's differ.
 """
 
 import hashlib
@@ -19,7 +19,7 @@ from queries.database.place import duckdb_path
 from queries.statements import statements
 
 STORAGE_VERSION = "v1.4.0"
-"""Oldest DuckDB whose readers open the files; newer ones read them as well."""
+"""Oldest DuckDB that can read the files; newer ones can too."""
 
 _FOLDER = resources.files("queries.database") / "migrations"
 _SQL = statements("queries.database", "schema")
@@ -34,16 +34,16 @@ def create(path: Path) -> duckdb.DuckDBPyConnection:
 
 def open_for_writing(path: Path) -> duckdb.DuckDBPyConnection:
     """Return a connection that writes a file in the storage format of the oldest supported reader."""
-    # Rows come from NumPy one stretch after the other: more threads would only wait for each other.
+    # Rows come from NumPy one stretch after another: more threads would only wait.
     config: dict[str, Any] = {"storage_compatibility_version": STORAGE_VERSION, "threads": 1}
     connection = duckdb.connect(duckdb_path(path), config=config)
-    # It makes narrow-band lines hardly smaller, and takes an eighth of the time to write them.
+    # Compression hardly shrinks narrow-band lines, and takes an eighth of the writing time.
     connection.execute("SET disabled_compression_methods = 'alprd'")
     return connection
 
 
 def upgrade(connection: duckdb.DuckDBPyConnection) -> None:
-    """Give a file the migrations that it lacks, and the views of this version, in one transaction."""
+    """Apply missing migrations and create the views of this version, in one transaction."""
     connection.begin()
     try:
         present = version(connection)
@@ -58,13 +58,13 @@ def upgrade(connection: duckdb.DuckDBPyConnection) -> None:
         connection.execute("UPDATE schema_version SET form = ?", [form_id()])
         connection.commit()
     except BaseException:
-        with suppress(duckdb.Error):  # an error of its own would hide the first one
+        with suppress(duckdb.Error):  # its own error would hide the first one
             connection.rollback()
         raise
 
 
 def version(connection: duckdb.DuckDBPyConnection) -> int:
-    """Return the number of the last migration that a file has had; 0 for a file without any."""
+    """Return the number of a file's last migration; 0 if it has none."""
     if connection.execute(_SQL["has-versions"]).fetchone() is None:
         return 0
     row = connection.execute("SELECT max(version) FROM schema_version").fetchone()
@@ -73,7 +73,7 @@ def version(connection: duckdb.DuckDBPyConnection) -> int:
 
 @cache
 def latest() -> int:
-    """Return the number of the last migration that this version knows."""
+    """Return the number of this version's last migration."""
     return migrations()[-1][0]
 
 
@@ -100,7 +100,7 @@ def _text(name: str) -> str:
 
 
 def _drop_views(connection: duckdb.DuckDBPyConnection) -> None:
-    """Drop every view and macro of a file; the views first, for they use macros."""
+    """Drop every view and macro of a file; views first, as they use macros."""
     for (name,) in connection.execute(_SQL["views"]).fetchall():
         connection.execute(f'DROP VIEW "{name}"')
     for name, kind in connection.execute(_SQL["macros"]).fetchall():

@@ -1,4 +1,4 @@
-"""Run directories and database files as they are now: fingerprints say whether there is anything to do."""
+"""State of run directories and database files: fingerprints show whether an ingest is needed."""
 
 import hashlib
 import json
@@ -15,7 +15,7 @@ from queries.database.place import ResultsError, check_run, reason
 from sweep.storage import records
 
 _FIRST_WITH_SOURCES = 2
-"""Form from which a file knows run directories."""
+"""Version from which files store run directories."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Source:
     directory
         Its path.
     name
-        Its path as a database names it: seen from the database's folder where it lies in it, else absolute.
+        Its path in the database: relative to the database's folder if inside it, else absolute.
     manifests
         Of all runs, the earliest first.
     failures
@@ -61,7 +61,7 @@ class Source:
             raise ResultsError(f"{directory}: no manifest of a run can be read") from None
         failures = list(records.failures(directory))
         present = records.ids_of(directory)
-        # Records are immutable and named by their content, so that their names suffice.
+        # Records are immutable and named by content, so their names suffice.
         text = json.dumps([sorted(present), manifests, failures], sort_keys=True)
         fingerprint = hashlib.sha256(text.encode()).hexdigest()
         absolute, folder = (Path(os.path.realpath(path_name)) for path_name in (directory, path.parent))
@@ -80,7 +80,7 @@ class Published:
     present_form
         Whether its tables and views are those of this version.
     fingerprints
-        Of the run directories that its rows come from, by name; None where a version did not say.
+        Fingerprints of its run directories, by name; None in versions that did not store them.
     """
 
     version: int
@@ -93,7 +93,7 @@ class Published:
 
     @staticmethod
     def read(path: Path) -> "Published | None":
-        """Return what is known of a file, or None where there is none.
+        """Return the state of a file, or None if there is none.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Whether the database of a run is there and can be read throughout."""
+"""Verification of a run's database."""
 
 from pathlib import Path
 
@@ -9,14 +9,14 @@ from queries.database.place import DATABASE, ResultsError, reason
 
 
 def verify(directory: Path, repair: bool = False) -> list[str]:
-    """Read every value of the database of a run directory; return what is wrong with it, in a line each.
+    """Read every value of the database of a run directory; return its faults, a line each.
 
     Parameters
     ----------
     directory
         Output directory of a run.
     repair
-        Remove a database that cannot be read, so that it is made anew from the records.
+        Remove a database that cannot be read, so that it is rebuilt from the records.
     """
     path = directory / DATABASE
     if not path.exists():
