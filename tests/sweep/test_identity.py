@@ -6,7 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import railvib
+from railvib import library
 from railvib.parameters.ground import Ground, Layer
+from railvib.parameters.track import Track
+from railvib.parameters.wheel_roughness import WheelRoughness
 from sweep import identity
 
 scalars = st.none() | st.booleans() | st.floats(allow_nan=False, allow_infinity=False) | st.text(max_size=8)
@@ -97,3 +100,16 @@ def test_a_table_inside_enters_whole():
     one, other = ({"ground": {"layers": [{"density": density}]}} for density in (1800, 1801))
     assert identity.digest(one) != identity.digest(other)
     assert identity.digest(identity.canonical(one)) == identity.digest(one)
+
+
+def test_what_a_vehicle_or_track_does_not_have_is_no_part_of_it():
+    """Rough wheels and the coupling came later: without them an identity is made of what it was made of."""
+    regina, paper = library.load("vehicle", "regina"), library.load("track", "ballasted-paper")
+    assert "wheel_roughness" not in identity.canonical(regina)
+    assert "coupling" not in identity.canonical(paper)
+    rough = WheelRoughness(form="orders", order_level=(20.0,))
+    other = regina.model_copy(update={"wheel_roughness": rough})
+    assert identity.digest({"vehicle": other}) != identity.digest({"vehicle": regina})
+    following = library.load("track", "ballasted-mean")
+    assert identity.digest({"track": following}) != identity.digest({"track": paper})
+    assert Track(**{**paper.model_dump(), "coupling": "mean"}) == following
