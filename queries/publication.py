@@ -1,4 +1,4 @@
-"""What is made of a run's records: database, figures and report, and what is printed about them."""
+"""Publication of a run: database, figures and report, and the comparison that is printed."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,7 +18,7 @@ _STORE = "transfer_functions.zarr"
 
 
 def refresh(named: Path | str) -> None:
-    """Bring the database of a run directory up to date with its records; a database file stays as it is."""
+    """Bring the database of a run directory up to date with its records; leave other files alone."""
     if locate(named).directory is not None:
         ingest(named)
 
@@ -59,7 +59,7 @@ def show(
     contribution: str = "dynamic",
     receivers: str | None = None,
 ) -> None:
-    """Print errors and costs, what is missing, and where everything lies.
+    """Print errors and costs, what is missing, and the paths of all products.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Publishes the results of a run that the engine computes; light until it gets ready."""
+"""The publisher of a run's results; imports little until it prepares."""
 
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
@@ -27,14 +27,14 @@ class Publisher:
         self._begun: Future[Path] | None = None
 
     def __enter__(self) -> Self:
-        """Return itself; leaving the block ends all that has been started."""
+        """Return itself; leaving the block ends everything that was started."""
         return self
 
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
     def get_ready(self) -> None:
-        """Begin to load all that publishing takes, while the last tasks run; does not wait."""
+        """Start to load what publishing needs, while the last tasks run; do not wait."""
         from queries.figures import WORKERS, FigureProcesses
 
         self._processes = self._stack.enter_context(FigureProcesses(WORKERS))
@@ -58,7 +58,7 @@ class Publisher:
 
 
 def _begin(directory: Path) -> Path:
-    """Import what publishing takes, and begin with the database."""
+    """Import what publishing needs, and create the empty database."""
     from queries import publication  # noqa: F401
     from queries.database import begin
 
@@ -66,6 +66,6 @@ def _begin(directory: Path) -> Path:
 
 
 def _remove(begun: "Future[Path]") -> None:
-    """Remove a database that was begun for nothing: the run has failed, or has been interrupted."""
+    """Remove an unused empty database, after the run has failed or been interrupted."""
     if begun.exception() is None:
         begun.result().unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""A request that cannot be met, in one line on standard error instead of a traceback."""
+"""Refusals: one line on standard error instead of a traceback."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,12 +14,12 @@ class Refusal(click.ClickException):
 
 @contextmanager
 def refusing(advice: str = "") -> Iterator[None]:
-    """Turn what is wrong with a request, a place or a disk into a refusal.
+    """Turn errors of a request, a place or a disk into a refusal.
 
     Parameters
     ----------
     advice
-        What to do, at the end of the line.
+        Advice at the end of the line.
     """
     from queries.database import ResultsError, reason
 
@@ -27,7 +27,7 @@ def refusing(advice: str = "") -> Iterator[None]:
         yield
     except ResultsError as error:
         raise Refusal(f"{error}{advice}") from error
-    except BrokenPipeError:  # the reader of our output has had enough
+    except BrokenPipeError:  # the reader of our output has closed the pipe
         raise
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""

@@ -1,4 +1,4 @@
-"""SQL that is longer than a line: it lies in `.sql` files beside the modules that run it."""
+"""Longer SQL statements, kept in `.sql` files beside the modules that run them."""
 
 import re
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""How figures for print look: one page width, one frequency axis, legends outside of the data."""
+"""Appearance of figures for print: one page width, one frequency axis, legends outside the data."""
 
 import math
 from collections.abc import Sequence
@@ -53,7 +53,7 @@ class Page(Figure):
         return len(self.panels), len(self.panels[0])
 
     def fit(self, panel_height_in: float, named: bool, legend_lines: int = 1) -> None:
-        """Give all panels a height, and names and a legend of so many lines a place above them."""
+        """Set the height of all panels, with space above them for names and legend lines."""
         self.panel_height_in, self.named = panel_height_in, named
         rows, columns = self.form
         edge = (_EDGE_IN if named else 0.6 * _EDGE_IN) + _LEGEND_LINE_IN * (legend_lines - 1)
@@ -69,7 +69,7 @@ class Page(Figure):
         )
 
     def empty(self) -> bool:
-        """Take off what has been drawn on the panels, and return whether they are as they were made."""
+        """Clear all panels, and return whether they are as new."""
         rows, columns = self.form
         if len(self.axes) != rows * columns or any(
             axis.collections or axis.images or axis.patches for axis in self.axes
@@ -88,7 +88,7 @@ class Page(Figure):
 
 
 _emptied: dict[tuple[int, int], list[Page]] = {}
-"""Pages that have been written, by their rows and columns."""
+"""Pages that can be reused, by their rows and columns."""
 
 
 def page(
@@ -102,13 +102,13 @@ def page(
 
 
 def take_back(figure: Figure) -> None:
-    """Take a figure that has been written for the next of its form: panels cost more than their curves."""
+    """Keep a finished page for the next figure of its form: panels cost more time than curves."""
     if isinstance(figure, Page) and figure.empty():
         _emptied.setdefault(figure.form, []).append(figure)
 
 
 def name_panel(axis: Axes, number: int, text: str, alone: bool = False) -> None:
-    """Write what a panel shows above it, with its letter unless it is alone, cut to the panel's width."""
+    """Write a panel's name above it, with a letter unless it is alone, cut to its width."""
     letter = "" if alone else f"({_letter(number)}) "
     title = axis.set_title(letter + plain(text), fontsize=_FONT, loc="left", parse_math=False, y=1.02)
     figure = axis.get_figure()
@@ -128,7 +128,7 @@ def _letter(number: int) -> str:
 
 
 def annotate(figure: Figure, note: str) -> None:
-    """Write what a figure leaves out at its lower edge."""
+    """Write the note of a figure at its lower edge."""
     figure.text(0.985, 0.004, plain(note), fontsize=_FONT - 1.5, ha="right", va="bottom", parse_math=False)
 
 
@@ -198,11 +198,11 @@ class Legend:
 
 
 def same_range(axes: Sequence[Axes]) -> None:
-    """Give panels that are read against each other one range of levels."""
+    """Give panels that are compared one range of levels."""
     ranges = [axis.get_ylim() for axis in axes if axis.lines]
     if ranges:
         low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
-        margin = 0.03 * (high - low)  # markers of a panel with a small range of its own are not cut
+        margin = 0.03 * (high - low)  # so that markers at the edge are not cut
         for axis in axes:
             axis.set_ylim(low - margin, high + margin)
 
@@ -247,7 +247,7 @@ def band_axis(axis: Axes, lowest: float, highest: float, downwards: bool = False
         named = bands[bands % (6 if bands.size <= 6 * room else 10) == 0]
     axis.set_xscale("log")
     axis.xaxis.set_major_locator(FixedLocator((10.0 ** (named / 10)).tolist()))
-    axis.xaxis.set_minor_locator(NullLocator())  # a third of the time went into ticks without a number
+    axis.xaxis.set_minor_locator(NullLocator())  # minor ticks took a third of the time
     axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: band(value)))
     ends = (10.0 ** ((first - 0.5) / 10), 10.0 ** ((last + 0.5) / 10))
     axis.set_xlim(*(ends[::-1] if downwards else ends))

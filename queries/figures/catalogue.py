@@ -1,4 +1,4 @@
-"""Which figures a run gets, what they are called, and what they leave out.
+"""The figures of a run: which there are, their names, and what they leave out.
 
 Figures carry the numbers of the paper's: 3 unevenness, 4 and 5 rail receptance, 6 and 7 wheel-rail force
 (the first soil of the study has the even number, every other the odd one), 8 rail, 9 narrow band, 10 ground.
@@ -21,7 +21,7 @@ from queries.statements import statements
 
 _SQL = statements("queries.figures", "catalogue")
 _SOILS, _COMBINATIONS, _OFFSETS, _SPEEDS, _LENGTHS = 4, 3, 12, 6, 3
-"""At most so many are shown in a figure, or of a study of many cases: panels stay readable up to here."""
+"""Largest numbers in a figure, or of a study of many cases, with which panels stay readable."""
 
 
 def are_drawn(connection: duckdb.DuckDBPyConnection, folder: Path) -> bool:
@@ -30,7 +30,7 @@ def are_drawn(connection: duckdb.DuckDBPyConnection, folder: Path) -> bool:
 
 
 def clear(folder: Path, kind: str, drawings: Iterable[Drawing]) -> list[Path]:
-    """Remove figures of an earlier state from a folder; return the files of those that are drawn."""
+    """Remove outdated figures from a folder; return the files of the present ones."""
     files = [folder / f"{drawing.name}.{kind}" for drawing in drawings]
     for old in set(folder.glob(f"figure-[0-9][0-9]-*.{kind}")) - set(files):
         old.unlink()
@@ -41,7 +41,7 @@ def clear(folder: Path, kind: str, drawings: Iterable[Drawing]) -> list[Path]:
 
 
 def drawings(connection: duckdb.DuckDBPyConnection, every: bool = False) -> list[Drawing]:
-    """Return the figures that the results allow, the paper's or `every` one, in order of their numbers."""
+    """Return the figures for which there are results, the paper's or `every` one, by number."""
     plan = _Plan(connection)
     figures = [*plan.unevenness(), *plan.receptances(), *plan.forces(), *plan.rail(), *plan.ground()]
     if every:
@@ -50,7 +50,7 @@ def drawings(connection: duckdb.DuckDBPyConnection, every: bool = False) -> list
 
 
 class _Plan:
-    """The figures of a study; of one with many cases, those of a sample of soils and of combinations."""
+    """The figures of a study; with many cases, those of a sample of soils and combinations."""
 
     def __init__(self, connection: duckdb.DuckDBPyConnection) -> None:
         self._connection = connection
@@ -82,7 +82,7 @@ class _Plan:
         }
 
     def _groups(self, receiver: str) -> Iterator[tuple[Combination, dict[str, str]]]:
-        """Yield combinations with so many of their cases as fit into a figure."""
+        """Yield combinations with as many of their cases as fit into a figure."""
         for combination in self._combinations:
             cases = list(self._with(receiver, combination).items())
             for first in range(0, len(cases), _SOILS):
@@ -134,7 +134,7 @@ class _Plan:
         with_lines = {case_id for (case_id,) in self._connection.execute(_SQL["with-lines"]).fetchall()}
         for combination, cases in self._groups("rail"):
             yield self._rail(combination, cases)
-            # A study may keep narrow-band lines out of the database.
+            # A study may leave narrow-band lines out of the database.
             of_lines = {soil: case_id for soil, case_id in cases.items() if case_id in with_lines}
             if of_lines:
                 yield self._narrow_band(combination, of_lines)
@@ -224,7 +224,7 @@ def _combination(case: NamedCase) -> Combination:
 
 
 def _level_plots() -> ModuleType:
-    """Return the module, which loads the plotting library: only who draws needs that."""
+    """Return the module; importing it loads the plotting library, which only drawing needs."""
     from queries.figures import level_plots
 
     return level_plots

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 
 _LONGEST_NAME = 200
-"""Characters of a file's name, without what tells it from equal ones and its ending; systems take 255."""
+"""Characters of a file name before a number and the extension; file systems allow 255."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Drawing:
     draw
         Draws it.
     note
-        What it leaves out, to be written on it; empty if nothing.
+        What it leaves out, written on the figure; may be empty.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Drawing:
     note: str = ""
 
     def leaving_out(self, *notes: str) -> "Drawing":
-        """Return the drawing with notes on what it leaves out; empty ones say nothing."""
+        """Return the drawing with notes on what it leaves out; empty notes are skipped."""
         parts = [part for part in notes if part]
         note = " ".join([self.note, *parts]).strip()
         return replace(self, note=note, caption=" ".join([self.caption, *parts]))
@@ -53,24 +53,24 @@ class Combination(NamedTuple):
     speed_kmh: float
 
     def __str__(self) -> str:
-        """Return it as a caption names it."""
+        """Return its text in captions."""
         return f"{self.train} on {self.track}, {self.unevenness}, {self.speed_kmh:g} km/h"
 
 
 def sample(items: Sequence[Item], most: int) -> list[Item]:
-    """Return at most so many items, evenly spread, the first and the last among them."""
+    """Return a limited number of items, evenly spread, including the first and the last."""
     if len(items) <= most:
         return list(items)
     return [items[round(place)] for place in np.linspace(0, len(items) - 1, most)]
 
 
 def shown_of(shown: Sequence[Any], every: Sequence[Any], things: str) -> str:
-    """Return how many of some things are shown, or nothing if all are."""
+    """Return a note on how many things are shown; empty if all are."""
     return f"{len(shown)} of {len(every)} {things} are shown." if len(shown) < len(every) else ""
 
 
 class FileNames:
-    """Gives every figure a file name of plain letters that no other one has."""
+    """Gives every figure a unique file name of plain letters."""
 
     def __init__(self, combinations: Sequence[Combination]) -> None:
         columns = zip(*combinations, strict=True)

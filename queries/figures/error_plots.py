@@ -1,4 +1,4 @@
-"""What approaches are worth: error over speed and band, and error against cost (Figures 12 and 13)."""
+"""Error over speed and band, and error against cost (Figures 12 and 13)."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ from queries.statements import statements
 
 _SQL = statements("queries.figures", "plots")
 _LEAST_DB, _MOST_DB = 3.0, 15.0
-"""Ends of the error that has the last colour of the map."""
+"""Ends of the colour scale of errors."""
 
 
 def error_map(

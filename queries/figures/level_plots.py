@@ -21,7 +21,7 @@ _FORCE = "force level [dB re 1 N]"
 _LEVEL = "level [dB re 1e-9 m/s]"
 _FREQUENCY = "frequency [Hz]"
 _OCTAVES_HZ = (8.0, 16.0, 31.5, 63.0)
-"""Octaves that are shown by themselves against distance."""
+"""Octaves that have panels of their own in levels against distance."""
 
 
 class _Curve(NamedTuple):
@@ -98,7 +98,7 @@ def ground(
 def distance(
     connection: duckdb.DuckDBPyConnection, cases: Mapping[str, str], approaches: Sequence[str]
 ) -> Figure:
-    """Draw levels against distance, a column per soil: all bands together, and some octaves by themselves."""
+    """Draw levels against distance, a column per soil: all bands together, and single octaves."""
     curves = _curves(connection, list(cases.values()), ["ground"])
     bands = sorted({value for curve in curves.values() for value in curve.band.tolist()})
     shown: list[float | None] = [None]
@@ -143,7 +143,7 @@ def _against_distance(
 def _curves(
     connection: duckdb.DuckDBPyConnection, case_ids: Sequence[str], receivers: Sequence[str]
 ) -> _Curves:
-    """Return the dynamic levels of receivers in several cases, by one query: each takes milliseconds."""
+    """Return the dynamic levels of receivers in several cases, by one query, as each takes milliseconds."""
     rows = connection.execute(_SQL["levels"], [list(case_ids), list(receivers)]).fetchall()
     return {
         (case_id, approach, receiver, offset): _Curve(

@@ -1,7 +1,7 @@
 """Colours, dashes and markers: one line per approach, the same in every figure and in the report.
 
-Colours are those of Okabe and Ito (2008), told apart by colour-blind readers; dashes and markers tell them
-apart in grey.
+Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish; dashes and markers
+serve in grey.
 """
 
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ class Line:
 
 
 _APPROACHES = {
-    # Broad and underneath: where the others agree with it, they are seen on it.
+    # Broad and underneath, so that lines that agree with it stay visible.
     "full": Line("#000000", (), "o", width=2.0, marker_size=4.6, order=2.1),
     "moving-roughness": Line("#0072B2", (5, 1.5), "s"),
     "moving-roughness-by-axle": Line("#009E73", (1, 1.2), "D"),
@@ -43,7 +43,7 @@ _COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#
 _DASHES: tuple[tuple[float, ...], ...] = ((), (5, 1.5), (5, 1.2, 1, 1.2), (1, 1.2))
 _MARKERS = "os^Dv<>"
 DISTINCT = len(_MARKERS)
-"""Lines of `numbered_line` that can be told apart."""
+"""Number of distinct lines of `numbered_line`."""
 
 
 def approach_line(approach: str) -> Line:
@@ -52,7 +52,7 @@ def approach_line(approach: str) -> Line:
 
 
 def numbered_line(number: int, name: str) -> Line:
-    """Return the line of the so-many-th thing of one kind, such as a speed."""
+    """Return the line with a number, such as that of a speed."""
     return Line(
         _COLOURS[number % len(_COLOURS)],
         _DASHES[number % len(_DASHES)],

@@ -1,4 +1,4 @@
-"""Processes that draw figures while other work goes on.
+"""Processes that draw figures in the background.
 
 What drawing takes is imported where it is used, so that the driver of a run starts the processes without
 delay: they load it while the last tasks run.
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from queries.figures.drawing import Drawing
 
 WORKERS = min(os.cpu_count() or 1, 4)
-"""Processes that draw."""
+"""Number of processes that draw."""
 _PLOTS = "queries.figures.level_plots"
-"""Module that brings the plotting library."""
+"""Module that loads the plotting library."""
 
 
 class _Request(NamedTuple):
@@ -60,7 +60,7 @@ class FigureProcesses:
                 self._pool.submit(int)
 
     def __enter__(self) -> "FigureProcesses":
-        """Return itself; leaving the block waits for the processes to end."""
+        """Return itself; leaving the block waits until the processes end."""
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -77,7 +77,7 @@ class FigureProcesses:
         kind: str = "png",
         every: bool = False,
     ) -> Callable[[], list[Path]]:
-        """Begin to draw the figures of a database into a folder.
+        """Start drawing the figures of a database into a folder.
 
         Parameters
         ----------
@@ -92,7 +92,7 @@ class FigureProcesses:
 
         Returns
         -------
-        Waits until all are drawn and returns their files; those of an earlier state are gone then.
+        Waits until all are drawn and outdated ones removed, and returns their files.
 
         Raises
         ------
@@ -108,7 +108,7 @@ class FigureProcesses:
         with _faults_in(folder):
             folder.mkdir(parents=True, exist_ok=True)
             if self._pool is not None:
-                # The last figures have the most panels: first, lest one process end long after the others.
+                # The last figures have the most panels: draw them first, so that no process ends late.
                 names = [drawing.name for drawing in reversed(drawings)]
                 drawn = self._pool.submit(_draw_all, request, names)
 
@@ -126,7 +126,7 @@ class FigureProcesses:
 
 @contextmanager
 def _faults_in(folder: Path) -> Iterator[None]:
-    """Turn a folder that cannot be written, and a process that is lost, into errors of one line."""
+    """Turn an unwritable folder and a lost process into errors of one line."""
     from queries.database import ResultsError, reason
 
     try:

@@ -15,9 +15,9 @@ from queries.statements import statements
 
 _SQL = statements("queries.figures", "plots")
 _RANGE_DB = 70.0
-"""Levels that are shown, below the peak."""
+"""Range of levels that is shown, below the peak."""
 _MULTIPLES = 8
-"""Multiples of a passing frequency that are marked."""
+"""Number of marked multiples of a passing frequency."""
 _MARKS = (("#b9a7c9", "-"), ("#8fb5a8", "--"), ("#d0a88a", ":"))
 _KMH = 3.6
 
@@ -82,7 +82,7 @@ def narrow_band(
 
 
 def _behind(line: Line) -> Line:
-    """Return a line in a grey of its own, so that smoother curves stay readable on it."""
+    """Return a line in its own grey, so that smoother curves stay readable on top."""
     return Line("#8c8c8c" if line.colour == "#000000" else line.colour, (), line.marker, line.label)
 
 

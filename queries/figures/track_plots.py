@@ -1,4 +1,4 @@
-"""What lies under the train: the rails' unevenness and the rail's receptance (Figures 3 to 5)."""
+"""Unevenness of the rails and receptance of the rail (Figures 3 to 5)."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""The files of a figure: the picture, with its caption inside, and the caption beside it."""
+"""The files of a figure: the picture, with its caption in the metadata, and the caption beside it."""
 
 from pathlib import Path
 from typing import Any
@@ -6,9 +6,9 @@ from typing import Any
 from queries.figures.drawing import Drawing
 
 _FIELDS = {"png": "Description", "svg": "Description", "pdf": "Subject"}
-"""Where a file of each kind holds a caption."""
+"""Metadata field of the caption, by file format."""
 _LEFT_OUT = {"png": "Software", "svg": "Date", "pdf": "CreationDate"}
-"""What would make files of equal figures differ."""
+"""Metadata field that would make files of equal figures differ, by file format."""
 
 
 def write(drawing: Drawing, folder: Path, kind: str) -> None:
@@ -16,7 +16,7 @@ def write(drawing: Drawing, folder: Path, kind: str) -> None:
     from queries.figures import appearance
 
     metadata = {"Title": drawing.name, _FIELDS[kind]: drawing.caption, _LEFT_OUT[kind]: None}
-    # Half the time of writing a PNG goes into its last tenth of size.
+    # Stronger compression of a PNG takes twice the time to save a tenth of its size.
     options: dict[str, Any] = {"pil_kwargs": {"compress_level": 1}} if kind == "png" else {}
     figure = drawing.draw()
     if drawing.note:

@@ -1,4 +1,4 @@
-"""What the report draws: levels, spectra, receptances and costs as compact arrays, all from the database."""
+"""Data of the report: levels, spectra, receptances and costs as compact arrays."""
 
 import math
 from typing import Any
@@ -22,7 +22,7 @@ Data = dict[str, Any]
 
 
 def data(connection: duckdb.DuckDBPyConnection) -> Data:
-    """Return everything that the page draws, ready for JSON."""
+    """Return all data of the page, ready for JSON."""
     approaches = answers.requested_approaches(connection)
     sizes = _number(connection, approaches)
     axes, cases = _cases(connection)
@@ -43,7 +43,7 @@ def data(connection: duckdb.DuckDBPyConnection) -> Data:
         "unevenness": _unevenness(connection),
         "costs": _costs(connection),
         "trains": _trains(connection),
-        "lines": spectra.spectra(connection, sizes),  # last: it fills what DuckDB may hold
+        "lines": spectra.spectra(connection, sizes),  # last, as it fills DuckDB's memory
     }
 
 
@@ -74,7 +74,7 @@ def _style(approach: str) -> Data:
 
 
 def _cases(connection: duckdb.DuckDBPyConnection) -> tuple[Data, list[list[int]]]:
-    """Return the values of each axis in the order of the study, and the places of each case."""
+    """Return the values of each axis in study order, and each case's positions on them."""
     rows = connection.execute(f"SELECT {', '.join(_AXES)} FROM page_cases ORDER BY number").fetchall()
     columns = list(zip(*rows, strict=True)) or [()] * len(_AXES)
     axes = {name: list(dict.fromkeys(column)) for name, column in zip(_AXES, columns, strict=True)}
@@ -107,7 +107,7 @@ def _levels(connection: duckdb.DuckDBPyConnection, sizes: Sizes) -> str:
 
 
 def _extrapolated_bands(connection: duckdb.DuckDBPyConnection, sizes: Sizes) -> list[list[int]]:
-    """Return per case the bands that rest mostly on extrapolated unevenness."""
+    """Return per case the bands in which most unevenness is extrapolated."""
     bands: list[list[int]] = [[] for _ in range(sizes.cases)]
     for case, numbers in connection.execute(_SQL["extrapolated"]).fetchall():
         bands[case] = numbers

@@ -1,4 +1,4 @@
-"""Arrays of the page in few bytes: levels as whole hundredths of a decibel, as text in base 64."""
+"""Compact arrays of the page: levels as whole hundredths of a decibel, in base 64."""
 
 import base64
 from typing import Any
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from queries.database import fill_gaps
 
 NONE = -32768
-"""Stands for a level that is not there."""
+"""Stands for a missing level."""
 
 
 def hundredths(level: Any) -> NDArray[np.int16]:

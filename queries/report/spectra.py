@@ -1,7 +1,7 @@
-"""Narrow-band spectra of the page, line by line while they fit into their share of it.
+"""Narrow-band spectra of the page, with all lines as long as they fit.
 
-Beyond it each is thinned to the smallest and the largest line of every bin of frequency, which keeps peaks
-and dips where they are, and the page says so.
+Otherwise each spectrum is thinned to the smallest and the largest line in every bin of frequency, which keeps
+peaks and dips in place, and the page says so.
 """
 
 from collections.abc import Iterator
@@ -20,11 +20,11 @@ _SQL = statements("queries.report", "spectra")
 LINES_BYTES = 3_000_000
 """Share of the page for narrow-band spectra, before it is written as text."""
 _SPECTRA_AT_ONCE = 64
-"""Spectra whose lines are read by one query: those of a case would take ten times the memory of the page."""
+"""Spectra whose lines are read by one query: all of a case would take ten times the page's memory."""
 _READ_ALONG = 2
-"""Spectra between two wanted ones that are read and left out: a query costs more."""
+"""Largest gap between wanted spectra that is read and dropped: another query costs more."""
 MOST_BINS, FEW_BINS, LEAST_BINS = 1000, 300, 100
-"""Bins of a thinned spectrum: at most, so few that only dynamic ones are shown, or fewer cases."""
+"""Bins of a thinned spectrum: at most; below which only dynamic spectra, or fewer cases, are shown."""
 FLOOR_DB = 200.0
 """Range of levels below the largest of a receiver, as in the view case_levels; below are rounding errors."""
 CONTRIBUTIONS = ("dynamic", "quasi-static", "total")
@@ -34,7 +34,7 @@ Data = dict[str, Any]
 
 @dataclass(frozen=True)
 class Sizes:
-    """How many cases, approaches, receivers and bands a page has."""
+    """Numbers of cases, approaches, receivers and bands of a page."""
 
     cases: int
     approaches: int
@@ -43,7 +43,7 @@ class Sizes:
 
 
 def spectra(connection: duckdb.DuckDBPyConnection, sizes: Sizes) -> Data:
-    """Return narrow-band spectra as levels, with what was done to make them fit.
+    """Return narrow-band spectra as levels, with a description of how they were thinned.
 
     Spectra of one case share their frequencies; there a spectrum is numbered by (approach, contribution,
     receiver).
@@ -115,7 +115,7 @@ def _pack(connection: duckdb.DuckDBPyConnection, thinning: _Thinning, sizes: Siz
 
 
 _Line = tuple[int, NDArray[np.float64], NDArray[np.float64]]
-"""Place of a spectrum among those asked for, its frequencies above 0 ascending, and densities or NaN."""
+"""Index of a spectrum among those requested, its ascending frequencies above 0, and densities or NaN."""
 
 
 def _lines(connection: duckdb.DuckDBPyConnection, series: NDArray[Any]) -> Iterator[_Line]:
@@ -131,7 +131,7 @@ def _lines(connection: duckdb.DuckDBPyConnection, series: NDArray[Any]) -> Itera
             # In order, lines go down in frequency only where the next spectrum begins.
             down = np.flatnonzero(frequency[1:] < frequency[:-1])
             if np.any(row[1:] < row[:-1]) or np.any(row[down] == row[down + 1]):
-                place = np.lexsort((frequency, row))  # they were written in order, but nobody is bound to
+                place = np.lexsort((frequency, row))  # usually in order, which nothing guarantees
                 row, frequency, density = row[place], frequency[place], density[place]
             bounds = np.searchsorted(row, [ascending[part], ascending[part] + 1]).T
             for i, (begin, end) in zip(part, bounds, strict=True):
@@ -140,7 +140,7 @@ def _lines(connection: duckdb.DuckDBPyConnection, series: NDArray[Any]) -> Itera
 
 
 def _all(lines: Iterator[_Line], count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the frequencies of so many spectra, and the density of each there."""
+    """Return the common frequencies of spectra, and the density of each."""
     spectra = list(lines)
     frequency = np.unique(np.concatenate([grid for _, grid, _ in spectra]))
     density = np.full((count, frequency.size), np.nan)

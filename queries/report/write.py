@@ -37,7 +37,9 @@ def write_report(connection: duckdb.DuckDBPyConnection, path: Path) -> Path:
     partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
     try:
         with partial.open("wb") as file:
-            for piece in page(connection):  # in one text, megabytes of figures would take two bytes a letter
+            for piece in page(
+                connection
+            ):  # piecewise, as one text of megabytes would take two bytes a letter
                 file.write(piece.encode())
         partial.replace(path)
     except OSError as error:
@@ -82,7 +84,7 @@ def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
         ],
         "provenance": answers.provenance_tables(connection),
     }
-    # Last: narrow-band lines fill what DuckDB may hold, and then every query takes half as long again.
+    # Last: narrow-band lines fill DuckDB's memory, after which queries take half as long again.
     figures = data(connection)
     return (
         _environment()
@@ -99,7 +101,7 @@ def page(connection: duckdb.DuckDBPyConnection) -> Iterator[str]:
 
 
 def _groupings(connection: duckdb.DuckDBPyConnection, pair: Pair) -> list[tuple[str, ...] | None]:
-    """Return what error tables are grouped by: case and receiver, or each alone where there are many."""
+    """Return groupings of error tables: case and receiver, or each alone if there are many rows."""
     query = f"SELECT count(*) FROM (SELECT DISTINCT case_id, receiver, offset_m FROM ({pair.rows}))"
     row = connection.execute(query, dict(pair.parameters)).fetchone()
     few = not row or row[0] <= _MOST_ROWS
@@ -138,7 +140,7 @@ def _environment() -> Environment:
 
 
 def _json(value: Any) -> Markup:
-    """Return a value as JSON that may stand in a script element, whatever text is in it."""
+    """Return a value as JSON that is safe in a script element."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
@@ -148,7 +150,7 @@ def _text(name: str) -> str:
 
 
 def _plotly() -> str:
-    """Return the plotting library, as its Python package brings it; the package itself is slow to import."""
+    """Return the plotting library from its Python package, without importing that, which is slow."""
     package = importlib.util.find_spec("plotly")
     assert package is not None
     assert package.submodule_search_locations is not None

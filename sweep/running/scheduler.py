@@ -33,7 +33,7 @@ class Crew(Protocol):
         """How many tasks can run at once."""
 
     def submit(self, tasks: Sequence[Task], place: Place) -> None:
-        """Hand tasks out."""
+        """Submit tasks."""
 
     def outcomes(self) -> Iterator[tuple[str, Outcome | None]]:
         """Wait until tasks have finished; yield keys and outcomes, None where workers died with the task."""
@@ -48,7 +48,7 @@ class ThisProcess:
         self._waiting: deque[tuple[Task, Place]] = deque()
 
     def submit(self, tasks: Sequence[Task], place: Place) -> None:
-        """Hand tasks out."""
+        """Submit tasks."""
         self._waiting.extend((task, place) for task in tasks)
 
     def outcomes(self) -> Iterator[tuple[str, Outcome | None]]:

@@ -28,7 +28,7 @@ from sweep.workers import tls
 from sweep.workers.cluster_file import LOOPBACK
 from sweep.workers.dask_cluster import SETTINGS
 
-with patch("signal.signal"):  # importing it would let Ctrl-C end the process as if all were well
+with patch("signal.signal"):  # on import it would make Ctrl-C end the process as a success
     from dask_jobqueue.slurm import SLURMRunner
 
 SCHEDULER, DRIVER = 0, 1

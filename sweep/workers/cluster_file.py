@@ -48,7 +48,7 @@ class Scheduler(Parameters):
 
 
 class Scaled(Scheduler):
-    """Workers whose number follows the work there is; each is a process of one thread."""
+    """Workers whose number follows the amount of work; each is a process of one thread."""
 
     minimum_workers: Count = 1
     maximum_workers: Count
@@ -79,7 +79,7 @@ class Ssh(Scheduler):
     workers_per_host
         Processes on each.
     user, port, key_file, known_hosts
-        For the connection, where the SSH configuration of this user does not say.
+        Settings of the connection that this user's SSH configuration lacks.
     python
         Interpreter of railvib's environment there; as here if not given.
     """

@@ -24,26 +24,26 @@ from sweep.processes import forks
 from sweep.running.task import Outcome, Place, execute
 
 ENVIRONMENT = {**forks.THREADS, "DASK_LOGGING__DISTRIBUTED": "critical"}
-"""Of worker processes; what matters comes back as an outcome."""
+"""Environment of worker processes; Dask logs little, as outcomes report what matters."""
 
 SETTINGS: dict[str, Any] = {
-    "distributed.scheduler.worker-saturation": 1.0,  # what a dying worker holds is suspect: hold one task
+    "distributed.scheduler.worker-saturation": 1.0,  # a worker's tasks are suspects when it dies
     "distributed.scheduler.allowed-failures": 1,
     "distributed.scheduler.work-stealing": False,
     "distributed.nanny.pre-spawn-environ": ENVIRONMENT,
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.limit": "10s",
-    "distributed.admin.low-level-log-length": 100,  # of what is kept for who debugs Dask
+    "distributed.admin.low-level-log-length": 100,  # history kept for debugging Dask
     "distributed.comm.timeouts.connect": "30s",
 }
 
 
 ASK_S = 1.0
-"""How old what is known of the number of workers may be."""
+"""Time for which a count of workers is trusted [s]."""
 
 
 class Workers:
-    """The workers of a scheduler, through a client; `most` is how many there may be when all have come."""
+    """The workers of a scheduler, through a client; `most` is their largest number, if known."""
 
     def __init__(self, client: Client, most: int = 1) -> None:
         self._client = client
@@ -55,7 +55,7 @@ class Workers:
 
     @property
     def size(self) -> int:
-        """How many tasks can run at once, also by workers that are still on their way."""
+        """Number of tasks that can run at once, counting workers still to come."""
         now = time.monotonic()
         if now - self._asked >= ASK_S:
             threads: dict[str, int] = self._client.nthreads()
@@ -63,11 +63,11 @@ class Workers:
         return max(self._most, self._size)
 
     def processor_seconds(self) -> list[float]:
-        """Return what each worker process has used of processor time so far [s]."""
+        """Return the processor time that each worker process has used so far [s]."""
         return list(self._client.run(time.process_time).values())
 
     def submit(self, tasks: Sequence[Task], place: Place) -> None:
-        """Hand tasks out; a later attempt has a key of its own, as Dask remembers why a key died."""
+        """Submit tasks; a later attempt gets a new key, as Dask remembers failed keys."""
         again = "" if place.attempt == 1 else f"{place.attempt:04x}"
         keys = {f"{task.key}{again}": task.key for task in tasks}
         self._futures |= keys
@@ -84,7 +84,7 @@ class Workers:
 
 
 def _outcome(key: str, future: Future[Any], result: Any) -> Outcome | None:
-    """Return what became of a task as Dask tells it; an exception here is the engine's or the machine's."""
+    """Return the outcome of a task from Dask; an exception here comes from the engine or the machine."""
     if isinstance(result, Outcome):
         return result
     error = result[1] if isinstance(result, tuple) else result
@@ -95,7 +95,7 @@ def _outcome(key: str, future: Future[Any], result: Any) -> Outcome | None:
 
 def serving(dashboard: str | None) -> dict[str, Any]:
     """Return the options by which a cluster of Dask's serves its dashboard at HOST:PORT, or none."""
-    # Without an address the scheduler would take a well-known port for what it tells of its health.
+    # Without an address the scheduler would open a well-known port for its health.
     return {
         "dashboard_address": dashboard or "127.0.0.1:0",
         "scheduler_kwargs": {"dashboard": dashboard is not None},
@@ -118,7 +118,10 @@ def local(workers: int, stages: str, dashboard: bool = False) -> Iterator[Worker
     forks.start(stages)
     forked = {
         "distributed.worker.multiprocessing-method": "forkserver",
-        "distributed.nanny.environ": {**os.environ, **ENVIRONMENT},  # the one that is forked may be older
+        "distributed.nanny.environ": {
+            **os.environ,
+            **ENVIRONMENT,
+        },  # the server process may have been started earlier
     }
     with (
         dask.config.set({**SETTINGS, **(forked if forks.POSSIBLE else {})}),
@@ -128,7 +131,7 @@ def local(workers: int, stages: str, dashboard: bool = False) -> Iterator[Worker
             processes=True,
             host="127.0.0.1",
             **serving("127.0.0.1:0" if dashboard else None),
-            memory_limit=0,  # the plan states the memory; pausing workers would only hide that it is wrong
+            memory_limit=0,  # the plan limits the memory; pausing workers would hide its errors
             silence_logs=logging.CRITICAL,
         ) as cluster,
         Client(cluster) as client,
@@ -137,9 +140,7 @@ def local(workers: int, stages: str, dashboard: bool = False) -> Iterator[Worker
             print(f"dashboard at {cluster.dashboard_link}", file=sys.stderr)
         warm_up(client, stages)
         yield Workers(client)
-        with suppress(
-            TimeoutError
-        ):  # a worker that is just starting would complain aloud about being stopped
+        with suppress(TimeoutError):  # a starting worker would log that it is stopped
             client.wait_for_workers(workers, timeout=10)
 
 
@@ -153,16 +154,16 @@ def remote(address: str, security: Security | None, stages: str) -> Iterator[Wor
 
 
 class Deaf(WorkerPlugin):
-    """Lets worker processes ignore Ctrl-C, which a terminal sends to all: the driver stops them."""
+    """Lets workers ignore Ctrl-C, which a terminal sends to all processes: the driver stops them."""
 
     def setup(self, worker: Any) -> None:
-        """Ignore it; the plugin runs in the main thread, where alone that can be said."""
+        """Ignore it; plugins run in the main thread, as this call must."""
         with suppress(ValueError):
             signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 class WarmUp(WorkerPlugin):
-    """Loads the compiled kernels in every worker before its first task, also where one replaces another."""
+    """Loads the compiled kernels in every worker before its first task."""
 
     def __init__(self, stages: str) -> None:
         self._stages = stages

@@ -1,4 +1,4 @@
-"""Workers of a batch system's jobs leave before their time is up, and first finish what they compute."""
+"""Workers in batch jobs finish their task and leave before the job's time is up."""
 
 import asyncio
 import os
@@ -10,12 +10,12 @@ from distributed import WorkerPlugin
 from distributed.core import Status
 
 STARTED = "RAILVIB_JOB_STARTED"
-"""Variable in which a job's script leaves the time at which it began, seconds since 1970."""
+"""Environment variable with the start of a job, seconds since 1970."""
 POLL_S = 0.2
 
 
 class Drain(WorkerPlugin):
-    """Lets a worker take no more tasks some time before its job ends, and go when it has none.
+    """Stops a worker from taking tasks some time before its job ends, and lets it leave when idle.
 
     Dask's own lifetime of workers hands the task that is running to another one, so that it runs twice.
 
@@ -33,15 +33,15 @@ class Drain(WorkerPlugin):
         self._drain_s = drain_s
 
     def setup(self, worker: Any) -> None:
-        """Set the clock of a worker that starts; one that follows another in a job has less time."""
+        """Set the timer of a new worker; one that replaces another in a job has less time."""
         age = time.time() - float(os.environ.get(STARTED, time.time()))
         delay_s = self._walltime_s - self._drain_s * random.uniform(1.0, 2.0) - age
         worker.loop.call_later(max(delay_s, 0.0), _leave, worker)
 
 
 async def _leave(worker: Any) -> None:
-    """Take no more tasks, finish those there are, and go for good."""
-    worker.memory_manager.memory_pause_fraction = False  # or it would go on where memory allows
+    """Take no more tasks, finish the present ones, and leave."""
+    worker.memory_manager.memory_pause_fraction = False  # else it would resume when memory allows
     worker.status = Status.paused
     while worker.state.executing or worker.state.in_flight_tasks:
         await asyncio.sleep(POLL_S)

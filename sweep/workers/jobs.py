@@ -27,14 +27,14 @@ from sweep.workers import dask_cluster as cluster
 from sweep.workers import drain, tls
 from sweep.workers.cluster_file import LOOPBACK, ClusterFile, Local, Queue, Ssh
 
-with patch("signal.signal"):  # importing it would let Ctrl-C end the process as if all were well
+with patch("signal.signal"):  # on import it would make Ctrl-C end the process as a success
     import dask_jobqueue
 
 SCALING = {"interval": "1s", "target_duration": "1s"}
-"""How often the number of workers is considered, and the work per worker that is worth another one."""
+"""How often the number of workers is adapted, and the work that is worth another worker."""
 POLL_S = 0.2
 FOLDER = "cluster"
-"""Of a results directory: what the jobs print, and while they run their certificate."""
+"""Folder of a results directory for the jobs' output and, while they run, their certificate."""
 SYSTEMS: dict[str, type[dask_jobqueue.JobQueueCluster]] = {
     "slurm": dask_jobqueue.SLURMCluster,
     "pbs": dask_jobqueue.PBSCluster,
@@ -45,16 +45,16 @@ SYSTEMS: dict[str, type[dask_jobqueue.JobQueueCluster]] = {
     "htcondor": dask_jobqueue.HTCondorCluster,
 }
 ACCOUNT = {"slurm": "account", "pbs": "account", "moab": "account"}
-"""What dask-jobqueue calls the account; for all others the project."""
+"""Option of dask-jobqueue for the account; `project` for all others."""
 
 
 def check(file: ClusterFile) -> None:
-    """Check that jobs can be handed in from this machine.
+    """Check that jobs can be submitted from this machine.
 
     Raises
     ------
     InputError
-        If the program that does it is not there.
+        If the program that submits jobs is missing.
     """
     if isinstance(file, Queue):
         command = SYSTEMS[file.kind].job_cls.submit_command
@@ -121,7 +121,7 @@ def crew(
 
 
 def _telling(job: type[dask_jobqueue.core.Job], first: "_First") -> type[dask_jobqueue.core.Job]:
-    """Return a kind of job that tells when the batch system refuses it; Dask by itself tries for ever."""
+    """Return a class of jobs that reports refusal by the batch system; Dask would retry for ever."""
 
     class Telling(job):  # type: ignore[misc]
         async def start(self) -> None:
@@ -184,7 +184,7 @@ def _here_only(file: Ssh | Queue) -> bool:
 
 
 def job_options(file: Queue, folder: Path, security: Security) -> dict[str, Any]:
-    """Return what dask-jobqueue asks for to write a job's script."""
+    """Return the options of dask-jobqueue for a job's script."""
     options: dict[str, Any] = {
         "cores": file.workers_per_job,
         "processes": file.workers_per_job,
@@ -209,7 +209,7 @@ def job_options(file: Queue, folder: Path, security: Security) -> dict[str, Any]
             "disk": "1 GB",
         }
     if file.kind == "oar":
-        options["memory_per_core_property_name"] = "not_applicable"  # each site has its own: see directives
+        options["memory_per_core_property_name"] = "not_applicable"  # sites differ in this: see directives
     options["walltime"] = _walltime(file)
     if file.queue:
         options["queue"] = file.queue
@@ -251,7 +251,7 @@ def _ssh(file: Ssh, listening: dict[str, Any], security: Security) -> Iterator[S
         }
         for host in file.hosts
     }
-    # The workers get their settings from ours; that they have started Dask learns from what they log.
+    # Workers inherit our settings; Dask learns from their log that they have started.
     files = security.get_tls_config_for_role("worker")
     with dask.config.set(
         {

@@ -1,4 +1,4 @@
-"""Who computes a run: this process, processes started here, or the workers of a cluster."""
+"""Launching a run: in this process, in processes started here, or on the workers of a cluster."""
 
 import importlib
 import os
@@ -27,7 +27,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Launch:
-    """What a user says about who computes.
+    """A user's settings for where a run computes.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Launch:
     Raises
     ------
     InputError
-        If these exclude each other, or are wrong in themselves.
+        If settings exclude each other, or one is wrong.
     """
 
     workers: int | None = None
@@ -57,7 +57,7 @@ class Launch:
     dashboard: bool = False
 
     def __post_init__(self) -> None:
-        """Check what can be checked without asking anybody."""
+        """Check the settings without connecting to anything."""
         places = [
             f"--{name}" for name in ("workers", "scheduler", "cluster") if getattr(self, name) is not None
         ]
@@ -68,21 +68,21 @@ class Launch:
                 raise InputError(f"--{name.replace('_', '-')}: is for --scheduler tls://HOST:PORT")
         if self.dashboard and self.scheduler is not None:
             raise InputError("--dashboard: a scheduler that is running has its own")
-        _ = self.file  # a wrong one is told whether or not it is needed
+        _ = self.file  # check it even if it is not needed
 
     @property
     def processes(self) -> int:
-        """How many processes to start on this machine."""
+        """Number of processes to start on this machine."""
         return (os.cpu_count() or 1) if self.workers is None else self.workers
 
     @property
     def local_processes(self) -> int | None:
-        """How many processes compute on this machine; None where others do."""
+        """Number of processes that compute on this machine; None if other machines do."""
         return None if self.scheduler is not None or self.cluster is not None else max(self.processes, 1)
 
     @cached_property
     def file(self) -> "ClusterFile | None":
-        """What the cluster file says."""
+        """The content of the cluster file."""
         if self.cluster is None:
             return None
         from sweep.workers import cluster_file
@@ -106,14 +106,14 @@ class Launch:
         return self.scheduler is None and self.file is None and self.processes > 0
 
     def get_ready(self, stages: str) -> None:
-        """Begin with what workers started here need, while there is something else to do; does not wait."""
+        """Start to prepare local workers; do not wait."""
         if self._starts_processes:
             forks.start(stages)
 
     def beside(self, function: Callable[[Argument], Result], argument: Argument) -> Callable[[], Result]:
         """Call a function in a process that has loaded the kernels, or here if there is none.
 
-        So the driver need not load them, and does not compile them while another process does. What is
+        So the driver does not load them, nor compile them while another process does. The callable that is
         returned waits for the result.
         """
         if self._starts_processes and forks.POSSIBLE:
@@ -126,14 +126,14 @@ class Launch:
         return lambda: result
 
     def check(self, directory: Path, store: str | None) -> None:
-        """Ask whoever is to compute whether they can, before anything is written.
+        """Check that workers can be started or reached, before anything is written.
 
         Parameters
         ----------
         directory
             Where results will go.
         store
-            Path or address of a store outside, if there is one.
+            Path or address of the shared store, if there is one.
 
         Raises
         ------
@@ -150,9 +150,9 @@ class Launch:
             jobs.check(self.file)
 
     def crew(self, tasks: int, stages: str, directory: Path) -> "AbstractContextManager[Crew]":
-        """Return who computes so many tasks with the stages of a module for a results directory.
+        """Return the crew that runs a number of tasks, with the stages of a module.
 
-        Workers that are started for it are stopped at the end, whatever happens.
+        Workers started for it are stopped at the end, whatever happens.
         """
         if self.scheduler is None and self.file is None and self.processes == 0:
             return _alone()

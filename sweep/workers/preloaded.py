@@ -4,7 +4,7 @@ import gc
 import os
 from contextlib import suppress
 
-gc.disable()  # all that is imported stays: looking for garbage in it would take a sixth of the time
+gc.disable()  # imports stay alive: collecting garbage among them would take a sixth of the time
 
 import distributed.nanny  # noqa: E402
 import distributed.worker  # noqa: E402
@@ -15,8 +15,8 @@ from sweep.processes.forks import STAGES_MODULE  # noqa: E402
 
 __all__ = ["distributed", "sweep"]
 
-with suppress(Exception):  # whatever is wrong will be wrong in the first task as well, and be told there
+with suppress(Exception):  # an error will occur in the first task again, and be reported there
     compiling.load(os.environ[STAGES_MODULE])
 
-gc.freeze()  # nor do workers look there, who would copy the memory that they share by doing so
+gc.freeze()  # nor in workers, where it would copy shared memory
 gc.enable()

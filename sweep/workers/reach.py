@@ -1,4 +1,4 @@
-"""Whether a scheduler that is running can be used: asked before a run, and answered in one line."""
+"""Check before a run that a running scheduler can be used, with one-line errors."""
 
 import os
 import socket
@@ -17,13 +17,13 @@ from railvib.errors import InputError
 from sweep.storage import location
 
 TIMEOUT_S = 10.0
-"""For an answer of the scheduler."""
+"""Time to wait for an answer of the scheduler [s]."""
 WORKERS_TIMEOUT_S = 60.0
-"""For the first worker to join it."""
+"""Time to wait for its first worker [s]."""
 
 
 def check(address: str, security: Security | None, directory: Path, store: str | None) -> None:
-    """Check that scheduler and workers are there, are of our kind, and see our files.
+    """Check that scheduler and workers can be reached, are compatible, and see our files.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def check(address: str, security: Security | None, directory: Path, store: str |
 
 
 def _refusal(address: str, security: Security | None) -> str | None:
-    """Connect as Dask does, and return what is wrong; Dask itself only tells that time has run out."""
+    """Connect as Dask does, and return what fails; Dask itself would only report a timeout."""
     try:
         protocol, place = parse_address(address, strict=True)
         host, port = parse_host_port(place)
@@ -82,7 +82,7 @@ def _refusal(address: str, security: Security | None) -> str | None:
 
 
 def _unfit(client: Client, directory: Path, store: str | None) -> str | None:
-    """Return why the workers cannot compute for us: threads, another model, other files."""
+    """Return why the workers are unfit: threads, another model, other files; None if they are fit."""
     threads = client.nthreads()
     many = [worker for worker, count in threads.items() if count != 1]
     if many:
@@ -104,7 +104,7 @@ def _unfit(client: Client, directory: Path, store: str | None) -> str | None:
 
 
 def _look(probes: Sequence[str], store: str | None) -> str:
-    """Return on a worker the version of its model, or what else is wrong."""
+    """Return a worker's model version, or what is wrong there."""
     for probe in probes:
         if not os.path.exists(probe):
             return f"does not see the folder {os.path.dirname(probe)}, where results go"

@@ -1,4 +1,4 @@
-"""Imported by the process from which workers are forked: it ends with the driver, and they end with it."""
+"""Preload of the server process from which workers are forked; it ends with the driver, they with it."""
 
 import os
 
@@ -11,4 +11,4 @@ if DRIVER in os.environ:
 
 import sweep.workers.preloaded  # noqa: E402, F401
 
-parent.outlive()  # the thread that has started it: a pipe tells it of the driver's end from now on
+parent.outlive()  # the thread that started it; from now on a pipe reports the driver's end

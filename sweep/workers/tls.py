@@ -1,4 +1,4 @@
-"""Certificates of the way between driver, scheduler and workers: a user's own, or made for one run."""
+"""Certificates for connections between driver, scheduler and workers: a user's, or made for one run."""
 
 import os
 from collections.abc import Iterator
@@ -16,12 +16,12 @@ CERTIFICATE, KEY = "certificate.pem", "key.pem"
 
 @dataclass(frozen=True)
 class Certificates:
-    """Files in PEM form: who is trusted, and who we are.
+    """Certificate files in PEM form.
 
     Attributes
     ----------
     ca
-        Certificates of the authorities whose word counts.
+        Certificates of trusted authorities.
     cert
         Our certificate.
     key
@@ -33,7 +33,7 @@ class Certificates:
     key: str | None = None
 
     def check(self) -> None:
-        """Check that all is there that a connection needs.
+        """Check that all files that a connection needs exist.
 
         Raises
         ------
@@ -49,7 +49,7 @@ class Certificates:
                 raise InputError(f"{option} = {path!r}: cannot be read")
 
     def security(self) -> Security:
-        """Return what Dask asks for; connections without encryption are refused."""
+        """Return Dask's security settings, which refuse unencrypted connections."""
         return Security(
             require_encryption=True,
             tls_ca_file=self.ca,
