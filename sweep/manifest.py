@@ -99,7 +99,8 @@ def stands_already(manifest: Mapping[str, Any], directory: Path) -> bool:
 def _case(case: Case, request: Request) -> dict[str, Any]:
     approaches = {}
     for approach in request.resolved.study.approaches.compare:
-        rests_on = request.plan.closure[request.wanted[case.case_id, approach].id]
+        closures = (request.plan.closure[unit.id] for unit in request.wanted[case.case_id, approach])
+        rests_on = dict.fromkeys(identity for closure in closures for identity in closure)
         approaches[approach] = [
             {"unit_id": unit.id, "scope": unit.scope}
             for unit in (request.plan.units[identity] for identity in rests_on)

@@ -10,7 +10,7 @@ from sweep.running.lock import LOCK
 from sweep.storage import location, records
 from sweep.study import Case, Resolved
 from sweep.unit import Unit
-from sweep.wanted import spectra_unit
+from sweep.wanted import wanted_units
 
 MOST_CASES = 200_000
 """Largest number of cases of a study; each takes some 54 kB of the driver's memory."""
@@ -23,14 +23,14 @@ class Request:
     Attributes
     ----------
     wanted
-        Per case and approach, the unit that holds its result.
+        Per case and approach, the units that hold its results, the spectra first.
     store
         Where results lie that cases share, if not with the run.
     """
 
     resolved: Resolved
     cases: tuple[Case, ...]
-    wanted: Mapping[tuple[str, str], Unit]
+    wanted: Mapping[tuple[str, str], tuple[Unit, ...]]
     plan: plan.Plan
     store: str | None = None
 
@@ -66,12 +66,12 @@ def prepare(resolved: Resolved, directory: Path, store: str | None = None, compl
         location.at(store).check()
         present |= records.ids_at(store)
     cases = tuple(resolved.cases())
-    wanted: dict[tuple[str, str], Unit] = {
-        (case.case_id, approach): spectra_unit(resolved, case, approach)
+    wanted: dict[tuple[str, str], tuple[Unit, ...]] = {
+        (case.case_id, approach): wanted_units(resolved, case, approach)
         for case in cases
         for approach in resolved.study.approaches.compare
     }
-    missing = plan.make(wanted.values(), present, complete)
+    missing = plan.make((unit for units in wanted.values() for unit in units), present, complete)
     return Request(resolved, cases, wanted, missing, store)
 
 

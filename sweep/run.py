@@ -84,7 +84,7 @@ class _Reporter:
         self._tallies = tallies
         self._cautions: list[Callable[[], list[str]]] = [cautions]
         self._near_end: list[Callable[[], None]] = [near_end]
-        self._cases = {unit.id: case_id for (case_id, _), unit in request.wanted.items()}
+        self._cases = {unit.id: case_id for (case_id, _), units in request.wanted.items() for unit in units}
 
     def report(
         self, display: Display, size: int, task: plan.Task, outcome: "Outcome", tally: "Tally"

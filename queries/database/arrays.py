@@ -1,4 +1,4 @@
-"""Rows from the arrays of the store: bands and narrow-band lines of spectra, and the rail's receptances."""
+"""Rows from the arrays of the store: spectra, levels of passages, and the rail's receptances."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -94,6 +94,21 @@ class Reader:
             {"frequency_hz": np.broadcast_to(frequency, psd.shape), "value": psd},
         )
 
+    def _insert_passage_levels(
+        self, record: Row, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]
+    ) -> None:
+        """Insert the statistics of metrics of passages; all of them are of the vertical component."""
+        offsets = np.asarray(arrays.get("offset_m", attributes.get("offset_m")), dtype=float)
+        names = ("receiver", "metric", "statistic", "unit")
+        rows = [
+            {**dict(zip(names, row, strict=True)), "offset_m": None if np.isnan(offset) else float(offset)}
+            for offset, *row in zip(offsets, *(attributes[name] for name in names), strict=True)
+        ]
+        value = np.asarray(arrays["value"], dtype=float)[:, None]
+        for case_id, approach in sorted(self._contents.owners[record["unit_id"]]):
+            head = {"case_id": case_id, "approach": approach, "component": "z", **self._origin(record)}
+            self._writer.stretches("passage_levels", [{**head, **row} for row in rows], {"value": value})
+
     def _insert_receptance(
         self, record: Row, arrays: Mapping[str, NDArray[Any]], _: Mapping[str, Any]
     ) -> None:
@@ -155,5 +170,9 @@ def wanted(setting: Any, approach: str, receiver: str, offset: float | None) -> 
 
 
 _Insert = Callable[[Reader, Row, Mapping[str, NDArray[Any]], Mapping[str, Any]], None]
-INSERTS: dict[str, _Insert] = {"spectra": Reader._insert_spectra, "receptance": Reader._insert_receptance}
+INSERTS: dict[str, _Insert] = {
+    "spectra": Reader._insert_spectra,
+    "passage_levels": Reader._insert_passage_levels,
+    "receptance": Reader._insert_receptance,
+}
 """Methods that insert the arrays of a stage; records and rows call the stage `kind`."""

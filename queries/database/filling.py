@@ -13,7 +13,7 @@ from sweep.storage import records
 
 _SQL = statements("queries.database", "filling")
 
-_FROM_ARRAYS = ("bands", "receptances", "series", "ingested")
+_FROM_ARRAYS = ("bands", "passage_levels", "receptances", "series", "ingested")
 """Tables filled from the store, unit by unit; psd_lines follows series."""
 _FROM_RECORDS = ("units", "unit_costs", "failures")
 _OF_RUNS = ("run_cases", "case_units", "runs")

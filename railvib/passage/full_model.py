@@ -31,7 +31,7 @@ def full_model_amplitudes(
     receivers
         The receivers' transfer functions, taken some at a time.
     amplitude
-        q_l at the grid's wavenumbers, N/√(rad/m), complex (n, axles).
+        q_l of every set of unevenness at the grid's wavenumbers, N/√(rad/m), complex (sets, n, axles).
     axle_position
         α, m, (axles,).
     train_length, speed
@@ -59,12 +59,13 @@ def full_model_amplitudes(
                 if first == last:
                     continue
                 rows = slice(first, last)
-                q = weighted[rows] if sign > 0.0 else weighted[rows].conj()
                 transfer = np.empty((f.size, last - first), complex)
                 for lines, response in parts:
                     transfer[lines] = response.at(sign * beta[rows] - shift[lines, None])
-                block = Block(int(first), start, (q @ phase.T) * transfer.T, sign < 0.0, 0)
-                kept = trimmed(block)
-                if kept is not None:
-                    amplitudes[receiver].append(kept)
+                for number, each in enumerate(weighted):
+                    q = each[rows] if sign > 0.0 else each[rows].conj()
+                    value = (q @ phase.T) * transfer.T
+                    block = trimmed(Block(int(first), start, value, sign < 0.0, number))
+                    if block is not None:
+                        amplitudes[receiver].append(block)
     return amplitudes

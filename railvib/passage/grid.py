@@ -1,7 +1,7 @@
 """Where the sum of a passage is taken: lines of frequency, and wavenumbers of the unevenness.
 
-The lines f_j are those of the spectra, so that a record lasts 1/Δf, more than eight passages. The wavenumbers
-β_n lie at s(β_n) = n + ½ of
+The lines f_j are multiples of one step up to v/(8L), so that a record lasts 1/Δf, eight passages or more.
+The wavenumbers β_n lie at s(β_n) = n + ½ of
 
     s(β) = (X β + B arsinh(β/β_c))/2π,        Δβ = 1/s'(β)
 
@@ -10,11 +10,13 @@ heard together: X is that at high frequencies, and B/β grows with the wavelengt
 reaches a number of wavelengths.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground
 
 _REACH = 200.0
@@ -24,6 +26,10 @@ _DECAY = 2.0
 _MOST_STRETCH = 4096.0
 """Largest B: less damped grounds are summed as if they were damped so much."""
 _NEWTON_STEPS = 60
+_STEPS_PER_RIPPLE = 8
+"""Steps of the lines in the period v/L with which spectra ripple."""
+_COARSEST_STEP = 0.125
+"""Hz."""
 
 
 @dataclass(frozen=True)
@@ -82,11 +88,26 @@ class Grid:
         return beta
 
 
+def passage_lines(band: Sequence[float], train_length: float, speed: float) -> np.ndarray:
+    """Return the lines of a passage between the edges of its bands, Hz, (lines,).
+
+    Parameters
+    ----------
+    band
+        One-third octaves, exact midbands, Hz, ascending and adjoining.
+    train_length, speed
+        m, m/s.
+    """
+    lower, upper = third_octaves.edges(band)
+    step = 1.0 / _canonical(1.0 / min(speed / (_STEPS_PER_RIPPLE * train_length), _COARSEST_STEP))
+    return np.asarray(step * np.arange(np.ceil(lower[0] / step), np.floor(upper[-1] / step) + 1.0))
+
+
 def passage_grid(
     ground: Ground,
     train_length: float,
     speed: float,
-    frequency: np.ndarray,
+    band: Sequence[float],
     highest_excitation: float,
     refinement: int = 1,
 ) -> Grid:
@@ -101,13 +122,14 @@ def passage_grid(
         The ground, whose waves reach far where its damping is low.
     train_length, speed
         m, m/s.
-    frequency
-        The lines of the spectra, Hz, (lines,).
+    band
+        One-third octaves that the lines cover, exact midbands, Hz, ascending and adjoining.
     highest_excitation
         Highest frequency of excitation, Hz.
     refinement
         For studies of convergence: number by which X and B are multiplied.
     """
+    frequency = passage_lines(band, train_length, speed)
     step = float(frequency[1] - frequency[0])
     # Over the reach x a wave decays by e^{-kηx/2}, k = βv/c: the slowest carries most, and decays fastest.
     damped = 4.0 * _DECAY * max(layer.shear_speed / (speed * layer.loss_factor) for layer in ground.layers)

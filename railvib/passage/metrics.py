@@ -1,27 +1,15 @@
-"""The metrics of a passage: what engineers read from its history, by name.
-
-| metric | signal | value | unit |
-|---|---|---|---|
-| ``kb-f-max`` | KB, 1 to 80 Hz | largest Fast running rms (DIN 4150-2) | 1 |
-| ``v-max-fast``, ``v-max-slow`` | velocity in the bands of the study | largest running rms | m/s |
-| ``ppv`` | velocity in the bands of the study | largest absolute value | m/s |
-| ``vdv`` | Wb-weighted acceleration | (∫ a⁴ dt)^¼ (BS 6472-1) | m/s^1.75 |
-| ``third-octave-max-fast`` | each one-third octave, filtered | largest Fast running rms | m/s |
-"""
+"""Weighted signals of a passage, and what is read from them for each of `railvib.parameters.metric`."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from railvib.levels.running import FAST, SLOW
 from railvib.levels.weightings import WEIGHTINGS, third_octave
 from railvib.numerics import third_octaves
-
-Metric = Literal["kb-f-max", "v-max-fast", "v-max-slow", "ppv", "vdv", "third-octave-max-fast"]
-METRICS: tuple[Metric, ...] = get_args(Metric)
 
 SKIRT = 3.0
 """Factor in frequency from a band's middle beyond which its filter passes nothing, below 1e-6 of energy."""
@@ -67,7 +55,7 @@ def signals(metrics: tuple[str, ...], frequency: np.ndarray, band: np.ndarray) -
     Parameters
     ----------
     metrics
-        Names of metrics.
+        Names of metrics, see `railvib.parameters.metric`.
     frequency
         Lines, Hz, (lines,).
     band

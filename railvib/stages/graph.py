@@ -15,6 +15,7 @@ from railvib.stages.full_model import FullModelSpectra
 from railvib.stages.line_integrals import ReceiverLineIntegrals
 from railvib.stages.moving_roughness import MovingRoughnessSpectra
 from railvib.stages.moving_transfer import RailMovingTransfer
+from railvib.stages.passage_levels import PassageLevelsOfCase
 from railvib.stages.quasi_static import QuasiStaticResponse
 from railvib.stages.receptances import RailReceptances
 from railvib.stages.stage import Stage
@@ -33,6 +34,7 @@ STAGES: dict[str, type[Stage]] = {
         ReceiverTrainIntegrals,
         MovingRoughnessSpectra,
         FullModelSpectra,
+        PassageLevelsOfCase,
     )
 }
 """Every stage by name; what is not here is neither predicted nor run."""

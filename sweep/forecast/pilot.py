@@ -40,7 +40,7 @@ from sweep.processes import compiling, forks, parent
 from sweep.running.task import Place, execute
 from sweep.storage import records
 from sweep.unit import Unit, unit_of, work
-from sweep.wanted import spectra_unit
+from sweep.wanted import wanted_units
 from sweep.workers.launch import STAGES
 
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
@@ -219,7 +219,11 @@ def _tasks() -> list[tuple[Unit, ...]]:
     ):
         resolved = study.resolve(_study(soil, train, offsets, band, averaging))
         (case,) = resolved.cases()
-        wanted = [spectra_unit(resolved, case, approach) for approach in resolved.study.approaches.compare]
+        wanted = [
+            unit
+            for approach in resolved.study.approaches.compare
+            for unit in wanted_units(resolved, case, approach)
+        ]
         tasks = plan.make(wanted, set()).tasks
         tasks_by_key |= {key: task.units for key, task in tasks.items() if key not in tasks_by_key}
     layered = _split(library.load("soil", "greby"))
@@ -246,6 +250,7 @@ def _study(
             "reference": "full",
             "averaging": averaging,
         },
+        "levels": {"metrics": ["kb-f-max", "ppv"], "passages": 64},
         "sweep": {
             "soil": [soil],
             "track": ["ballasted-paper"],

@@ -11,9 +11,10 @@ from railvib.errors import InputError
 from railvib.numerics.third_octaves import midbands
 from railvib.parameters.approach import Approach, Averaging
 from railvib.parameters.cross_section import CrossSection
+from railvib.parameters.metric import FEWEST_PASSAGES, MOST_PASSAGES, Metric
 from railvib.parameters.receiver import FARTHEST
 from railvib.parameters.speed import SpeedKmh, slow
-from railvib.parameters.validation import Number, Parameters, keys
+from railvib.parameters.validation import Integer, Number, Parameters, keys
 from sweep.study.names import Name, check_name
 from sweep.study.ranges import LARGEST_AXIS, axis
 
@@ -173,6 +174,25 @@ class Output(Section):
     narrow_band: Literal["all", "none"] | tuple[Lines, ...] = "all"
 
 
+class Levels(Section):
+    """Levels of random passages that are wanted beside the spectra."""
+
+    metrics: Annotated[tuple[Metric, ...], Field(min_length=1), AfterValidator(_once)]
+    quantiles: Annotated[
+        tuple[Annotated[Number, Field(gt=0.0, lt=1.0)], ...], Field(max_length=20), AfterValidator(_once)
+    ] = (0.05, 0.5, 0.95)
+    passages: Integer = 256
+    seed: Annotated[Integer, Field(ge=0, le=2**32 - 1)] = 1
+
+    @model_validator(mode="after")
+    def _passages_suffice(self) -> Self:
+        if not FEWEST_PASSAGES <= self.passages <= MOST_PASSAGES:
+            raise InputError(
+                f".passages = {self.passages}: must be from {FEWEST_PASSAGES} to {MOST_PASSAGES}"
+            )
+        return self
+
+
 class Study(Section):
     """A whole study file."""
 
@@ -184,6 +204,7 @@ class Study(Section):
     accuracy: Accuracy = Accuracy()
     output: Output = Output()
     cross_section: CrossSection = CrossSection()
+    levels: Levels | None = None
     soil: Mapping[str, Any] = {}
     track: Mapping[str, Any] = {}
     train: Mapping[str, Any] = {}

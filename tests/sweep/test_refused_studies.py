@@ -57,6 +57,18 @@ def with_(old, new):
         (with_(TRAIN, f"{TRAIN}\nnumber = {10**18}"), "train.single.number = 1000000000000000000: must be"),
         (with_('["horstwalde"]', f'["{"s" * 250}"]'), "has 250 bytes; must have at most 100"),
         (
+            with_("[accuracy]", '[levels]\nmetrics = ["kb"]\n[accuracy]'),
+            "levels.metrics[0] = 'kb': should be 'kb-f-max'",
+        ),
+        (
+            with_("[accuracy]", '[levels]\nmetrics = ["ppv"]\nquantiles = [1.0]\n[accuracy]'),
+            "levels.quantiles[0] = 1.0: should be less than 1",
+        ),
+        (
+            with_("[accuracy]", '[levels]\nmetrics = ["ppv"]\npassages = 15\n[accuracy]'),
+            "levels.passages = 15: must be from 16 to 65536",
+        ),
+        (
             with_("[accuracy]", f"[soil.mine]\n{SOIL}\n[accuracy]"),
             "thickness_m = 1e-06 m: should be greater",
         ),

@@ -11,7 +11,7 @@ from railvib.stages import STAGES, stage_of
 from sweep import cautions, study
 from sweep.storage import records, store
 from sweep.unit import unit_of
-from sweep.wanted import spectra_unit
+from sweep.wanted import spectra_unit, wanted_units
 from tests.sweep.small import STUDY
 
 
@@ -86,6 +86,22 @@ def test_the_order_of_receivers_and_averages_changes_nothing():
     one = wanted(receivers={"offsets_m": [8, 16]}, approaches={"averaging": ["line", "train"]})
     other = wanted(receivers={"offsets_m": [16.0, 8.0, 8.0]}, approaches={"averaging": ["train", "line"]})
     assert one == other
+
+
+def test_levels_are_wanted_beside_the_spectra_which_stay_as_they_are():
+    data = tomllib.loads(STUDY)
+    plain = study.resolve(data)
+    asked = study.resolve({**data, "levels": {"metrics": ["ppv", "kb-f-max", "ppv"], "passages": 16}})
+    (case,) = plain.cases()
+    for approach in ("moving-roughness", "full"):
+        (spectra,) = wanted_units(plain, case, approach)
+        same, levels = wanted_units(asked, case, approach)
+        assert same == spectra
+        assert levels.stage_name == "passage_levels"
+        assert list(levels.inputs["metrics"]) == ["ppv", "kb-f-max"]
+        # They rest on tables and receptances that the spectra need as well, and on nothing else.
+        for stage in ("transfer", "receptance"):
+            assert ids(levels, stage) == ids(spectra, stage)
 
 
 def test_the_full_model_has_no_average_over_the_train():

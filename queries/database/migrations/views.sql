@@ -156,3 +156,20 @@ JOIN run_levels AS second ON second.soil = first.soil AND second.track = first.t
     AND second.offset_m IS NOT DISTINCT FROM first.offset_m AND second.averaging = first.averaging AND second.band_hz = first.band_hz
 WHERE first.run_id = a AND second.run_id = b;
 COMMENT ON MACRO TABLE compare_runs IS 'Levels of run a beside those of run b for cases and approaches of the same names; difference_db is a minus b, dB';
+
+CREATE VIEW passages AS
+SELECT current_units.run_id, case_id, soil, track, train, unevenness, speed_kmh, approach, receiver, offset_m, component, metric, statistic, value, unit
+FROM (SELECT * EXCLUDE run_id FROM passage_levels) JOIN current_units USING (source, unit_id, case_id, approach) JOIN cases USING (case_id);
+
+CREATE VIEW passage_accuracy AS
+SELECT approach.run_id, approach.case_id, approach.soil, approach.track, approach.train, approach.unevenness, approach.speed_kmh, approach.approach,
+    runs.reference, approach.receiver, approach.offset_m, approach.component, approach.metric, approach.statistic, approach.value,
+    reference.value AS reference_value, 2 * decibel(approach.value / reference.value) AS error_db, approach.unit
+FROM passages AS approach
+JOIN runs ON runs.run_id = approach.run_id
+JOIN passages AS reference ON reference.approach = runs.reference AND reference.run_id = approach.run_id
+    AND reference.case_id = approach.case_id AND reference.soil = approach.soil AND reference.track = approach.track
+    AND reference.train = approach.train AND reference.unevenness = approach.unevenness AND reference.speed_kmh = approach.speed_kmh
+    AND reference.receiver = approach.receiver AND reference.offset_m IS NOT DISTINCT FROM approach.offset_m
+    AND reference.component = approach.component AND reference.metric = approach.metric AND reference.statistic = approach.statistic
+WHERE approach.approach <> runs.reference;

@@ -46,7 +46,7 @@ def upgraded(path):
 
 def test_rows_of_an_earlier_form_are_kept_and_views_are_those_of_now(tmp_path):
     with upgraded(earlier(tmp_path / "old.duckdb")) as connection:
-        assert connection.execute("SELECT version FROM schema_version").fetchall() == [(1,), (2,), (3,)]
+        assert connection.execute("SELECT version FROM schema_version").fetchall() == [(1,), (2,), (3,), (4,)]
         assert connection.execute("FROM sources").fetchall() == [(1, ".", None)]
         assert connection.execute("SELECT run_id, soil, level_db FROM levels").fetchall() == [
             ("run-0", "clay", pytest.approx(80.0))
@@ -90,7 +90,7 @@ def test_ingest_keeps_a_copy_of_an_earlier_file_and_brings_it_up_to_date(study):
     before = earlier(directory / DATABASE).read_bytes()
     done = CliRunner().invoke(cli.sql, [str(directory), "FROM cases"])
     assert done.exit_code == 2
-    assert "form 1 of 3" in done.stderr
+    assert "form 1 of 4" in done.stderr
     assert "railvib ingest" in done.stderr
     ingested = ingest(directory)
     assert ingested.backup == directory / "results.form-1.duckdb"

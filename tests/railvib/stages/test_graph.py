@@ -13,6 +13,7 @@ from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.vehicle import Train
 from railvib.stages import STAGES, case_spectra, evaluate, stage_of
 from railvib.stages.fe_be_table import FeBeTable
+from railvib.stages.passage_levels import PassageLevelsOfCase
 from railvib.stages.transfer_table import TransferTable
 
 
@@ -55,7 +56,7 @@ def test_all_stages_of_the_registry_are_needed_by_some_approach():
     names = {
         type(stage).__name__ for approach in APPROACHES for stage in closure(case_spectra(approach, **case()))
     }
-    assert names == STAGES.keys()
+    assert {*names, PassageLevelsOfCase.__name__} == STAGES.keys()
 
 
 def test_stages_differ_by_any_input():
