@@ -188,7 +188,7 @@ class Train(Parameters):
         if not self.axle_count:
             raise InputError(".vehicles: have no axle")
         positions = self.axle_positions
-        (behind,) = np.nonzero(np.diff(positions) <= 0.0)
+        (behind,) = np.nonzero(np.diff(positions) < 0.0)
         if behind.size:
             number = self.axle_vehicles[behind[-1]]
             raise InputError(
