@@ -98,3 +98,23 @@ def test_bands_of_both_approaches_meet_at_low_speed(greby, track, all_rough):
     wheels = result.velocity_mean_square.sel(contribution="wheels")
     difference = 10.0 * np.log10(wheels.sel(approach="full") / wheels.sel(approach="moving-roughness"))
     assert np.abs(difference).max() < 0.5
+
+
+def test_wheels_of_different_make_add_up(greby, track, rough):
+    """Two spectra at once are the sum of each alone; the full model resolves each on panels of its own."""
+    orders = WheelRoughness(form="orders", order_level=(40.0, 30.0, 25.0, 22.0), circumference=2.6)
+    leading, wagon = rough.vehicles
+    second = wagon.model_copy(update={"wheel_roughness": orders})
+    smooth = leading.model_copy(update={"wheel_roughness": None})
+    both, first_alone, second_alone = (
+        spectra(greby, track, Train(vehicles=vehicles), ["moving-roughness", "full"])
+        .sel(contribution="wheels")
+        .velocity_mean_square
+        for vehicles in ([leading, second], [leading, wagon], [smooth, second])
+    )
+    for approach, tolerance in (("moving-roughness", 1e-10), ("full", 1e-4)):
+        np.testing.assert_allclose(
+            both.sel(approach=approach),
+            first_alone.sel(approach=approach) + second_alone.sel(approach=approach),
+            rtol=tolerance,
+        )
