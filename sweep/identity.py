@@ -11,6 +11,7 @@ import json
 import math
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
+from json.encoder import encode_basestring
 from typing import Any
 
 from pydantic import BaseModel
@@ -19,6 +20,10 @@ import railvib
 from railvib.parameters.receiver import Receiver
 
 _EXACT_INTEGERS = 2**53
+FLOATS = frozenset({float})
+NUMBERS = frozenset({float, int})
+REMEMBERED = 4096
+"""Tuples of numbers, such as bands and distances of axles, that many units share."""
 
 
 class Canonical(dict[str, Any]):
@@ -27,8 +32,8 @@ class Canonical(dict[str, Any]):
     @cached_property
     def digest(self) -> str:
         """The sha256 of the table, in hexadecimal."""
-        short = {key: item.digest if isinstance(item, Canonical) else item for key, item in self.items()}
-        return hashlib.sha256(_json(short).encode()).hexdigest()
+        lines = ",".join(f"{encode_basestring(key)}:{_short_text(self[key])}" for key in sorted(self))
+        return hashlib.sha256(f"{{{lines}}}".encode()).hexdigest()
 
     def __hash__(self) -> int:  # type: ignore[override]
         """Return the hash of the digest, so that results derived from a table can be cached."""
@@ -45,8 +50,11 @@ def canonical(value: Any) -> Any:
     TypeError
         If something has no canonical form, such as an array or a path.
     """
-    if isinstance(value, Canonical):
+    kind = type(value)  # first what is frequent: a plan writes out a million numbers
+    if kind is Canonical:
         return value
+    if kind is tuple:
+        return _canonical_numbers(value) if _are(NUMBERS, value) else tuple(map(canonical, value))
     if isinstance(value, BaseModel):
         return _canonical_model(value)
     if isinstance(value, Receiver):
@@ -64,10 +72,34 @@ def canonical(value: Any) -> Any:
     if isinstance(value, Mapping):
         return Canonical({str(key): canonical(item) for key, item in value.items()})
     if isinstance(value, list | tuple):
-        return tuple(canonical(item) for item in value)
+        return canonical(tuple(value))
     if isinstance(value, set | frozenset):
         return tuple(sorted((canonical(item) for item in value), key=text))
     raise TypeError(f"{type(value).__name__} has no canonical form")
+
+
+def _are(types: frozenset[type], values: tuple[Any, ...]) -> bool:
+    """Return whether all values are of these types: a boolean equals a number, and is written otherwise."""
+    return types.issuperset(map(type, values))
+
+
+@lru_cache(REMEMBERED)
+def _canonical_numbers(numbers: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(map(canonical, numbers))
+
+
+@lru_cache(REMEMBERED)
+def _text_of_numbers(numbers: tuple[float, ...]) -> str:
+    return _json(numbers)
+
+
+def _short_text(value: Any) -> str:
+    """Return the text of what is in canonical form; a table stands as its id."""
+    if type(value) is Canonical:
+        return f'"{value.digest}"'
+    if type(value) is tuple and _are(FLOATS, value):
+        return _text_of_numbers(value)
+    return _json(value)
 
 
 @lru_cache(1024)
@@ -111,4 +143,7 @@ def case_id(things: Mapping[str, Any], speed: float) -> str:
 
 
 def _json(value: Any) -> str:
-    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return _ENCODER.encode(value)
+
+
+_ENCODER = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
