@@ -39,6 +39,13 @@ def computing(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in (
         click.option("--dashboard", is_flag=True, help="Serve Dask's dashboard on the loopback address."),
         click.option(
+            "--wait",
+            type=click.FloatRange(min=0.0, min_open=True),
+            metavar="MINUTES",
+            help="How long to wait for workers of --scheduler or --cluster when there are none. Default: 60; "
+            "without limit in the queue of a batch system.",
+        ),
+        click.option(
             "--cluster", type=STUDY, metavar="FILE", help="Start workers where FILE says: by SSH, or as jobs."
         ),
         click.option("--tls-key", metavar="FILE", help="Private key, if not in the file of --tls-cert."),

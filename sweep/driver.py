@@ -21,6 +21,7 @@ from sweep.storage import location, records
 from sweep.storage.verify import withdraw
 from sweep.study import Resolved
 from sweep.workers.launch import STAGES, Launch
+from sweep.workers.watch import WorkersLostError
 
 
 @dataclass(frozen=True)
@@ -111,6 +112,9 @@ def drive(prepared: Prepared, launch: Launch, mend: bool = False, only_failed: b
         if isinstance(error, KeyboardInterrupt) or signals.end_requested():
             click.echo(f"interrupted; what is done is kept; {resume}", err=True)
             return signals.INTERRUPTED
+        if isinstance(error, WorkersLostError):
+            click.echo(f"{error}; what is done is kept; {resume}", err=True)
+            return FAILED
         if location.is_full(error):
             whole = f"{directory}: {error}; what was stored before is whole"
             click.echo(f"{whole}; make space, and {resume}", err=True)

@@ -26,6 +26,7 @@ from sweep.processes import forks
 from sweep.workers import dask_cluster as cluster
 from sweep.workers import drain, tls
 from sweep.workers.cluster_file import LOOPBACK, ClusterFile, Local, Queue, Ssh
+from sweep.workers.watch import PATIENCE_MIN, Watch
 
 with patch("signal.signal"):  # on import it would make Ctrl-C end the process as a success
     import dask_jobqueue
@@ -64,7 +65,12 @@ def check(file: ClusterFile) -> None:
 
 @contextmanager
 def crew(
-    file: ClusterFile, directory: Path, tasks: int, stages: str, dashboard: bool
+    file: ClusterFile,
+    directory: Path,
+    tasks: int,
+    stages: str,
+    dashboard: bool,
+    patience_min: float | None = None,
 ) -> Iterator[cluster.Workers]:
     """Start scheduler and workers, and stop them at the end whatever happens.
 
@@ -80,6 +86,9 @@ def crew(
         The module whose stages they are of.
     dashboard
         Whether to serve Dask's dashboard, on the loopback address where the file names none.
+    patience_min
+        How long to wait for workers when there are none, minutes; None for the usual time, and for ever for
+        the first job in a queue.
     """
     folder = directory.resolve() / FOLDER
     served = file.dashboard or (f"{LOOPBACK}:0" if dashboard else None)
@@ -115,9 +124,10 @@ def crew(
         if isinstance(file, Queue):
             print(f"waiting for the first job of {file.kind}", file=sys.stderr, flush=True)
             client.register_plugin(drain.Drain(file.walltime_minutes * 60.0, file.drain_minutes * 60.0))
-        first.wait(client)
+        patience = PATIENCE_MIN if patience_min is None and not isinstance(file, Queue) else patience_min
+        first.wait(client, Watch(f"the first worker of kind {file.kind}", patience))
         cluster.warm_up(client, stages)
-        yield cluster.Workers(client, most)
+        yield cluster.Workers(client, Watch(f"workers of kind {file.kind}", patience), most)
 
 
 def _telling(job: type[dask_jobqueue.core.Job], first: "_First") -> type[dask_jobqueue.core.Job]:
@@ -144,11 +154,12 @@ class _First:
         self.awaited = True
         self.refusal: str | None = None
 
-    def wait(self, client: Client) -> None:
-        """Wait until it is there, or its job is refused."""
+    def wait(self, client: Client, watch: Watch) -> None:
+        """Wait until it is there, its job is refused, or the wait takes too long."""
         while not client.nthreads():
             if self.refusal is not None:
                 raise InputError(f"--cluster: a job is refused: {self.refusal}")
+            watch.see(0)
             time.sleep(POLL_S)
         self.awaited = False
 
@@ -160,6 +171,7 @@ def _local(file: Local, dashboard: str | None) -> LocalCluster:
         threads_per_worker=1,
         host=file.host or LOOPBACK,
         interface=file.interface,
+        security=Security.temporary(),
         **cluster.serving(dashboard),
         memory_limit=0,
         silence_logs=logging.CRITICAL,

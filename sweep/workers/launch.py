@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from railvib.errors import InputError
 from sweep.processes import forks
+from sweep.workers.watch import PATIENCE_MIN
 
 if TYPE_CHECKING:
     from distributed.security import Security
@@ -41,6 +42,8 @@ class Launch:
         File that says where to start workers instead.
     dashboard
         Whether a scheduler started here shows Dask's dashboard.
+    wait
+        Minutes to wait for workers when there are none; None for the usual time.
 
     Raises
     ------
@@ -55,6 +58,7 @@ class Launch:
     tls_key: str | None = None
     cluster: Path | None = None
     dashboard: bool = False
+    wait: float | None = None
 
     def __post_init__(self) -> None:
         """Check the settings without connecting to anything."""
@@ -66,6 +70,8 @@ class Launch:
         for name in ("tls_ca", "tls_cert", "tls_key"):
             if getattr(self, name) is not None and self.scheduler is None:
                 raise InputError(f"--{name.replace('_', '-')}: is for --scheduler tls://HOST:PORT")
+        if self.wait is not None and self.scheduler is None and self.cluster is None:
+            raise InputError("--wait: is for the workers of --scheduler or --cluster")
         if self.dashboard and self.scheduler is not None:
             raise InputError("--dashboard: a scheduler that is running has its own")
         _ = self.file  # check it even if it is not needed
@@ -159,11 +165,12 @@ class Launch:
         from sweep.workers import dask_cluster as cluster
 
         if self.scheduler is not None:
-            return cluster.remote(self.scheduler, self.security, stages)
+            patience = PATIENCE_MIN if self.wait is None else self.wait
+            return cluster.remote(self.scheduler, self.security, stages, patience)
         if self.file is not None:
             from sweep.workers import jobs
 
-            return jobs.crew(self.file, directory, tasks, stages, self.dashboard)
+            return jobs.crew(self.file, directory, tasks, stages, self.dashboard, self.wait)
         return cluster.local(min(self.processes, tasks), stages, self.dashboard)
 
 

@@ -3,12 +3,14 @@
 import contextlib
 import json
 import os
+import signal
 import socket
 import ssl
 import subprocess
 import sys
 import time
 
+import psutil
 import pytest
 import trustme
 
@@ -148,3 +150,61 @@ def test_workers_that_cannot_compute_for_us_are_refused(here):
 )
 def test_options_that_exclude_each_other(here, options, message):
     refused(here, message, *options)
+
+
+def slow_run(here, address, *options):
+    """Start a run of many tasks in a process of its own, and return it when its first task has settled."""
+    study = STUDY.replace("[30]", "{ start = 20, stop = 200, number = 400 }")
+    (here / "small.toml").write_text(study, encoding="utf-8")
+    command = [sys.executable, "-m", "railvib", "run", "small.toml", "--scheduler", address, *options]
+    process = subprocess.Popen(command, cwd=here, stderr=subprocess.PIPE, text=True)
+    log = here / "runs" / "small" / "log.jsonl"
+    deadline = time.monotonic() + 120.0
+    while time.monotonic() < deadline and process.poll() is None:
+        if log.exists() and '"done"' in log.read_text():
+            return process
+        time.sleep(0.05)
+    raise AssertionError(process.communicate()[1])
+
+
+def ended(process):
+    """Return what a run that has to end by itself says last."""
+    _, error = process.communicate(timeout=120.0)
+    assert process.returncode == 1, error
+    assert "Traceback" not in error, error[-6000:]
+    return error.splitlines()[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_scheduler_that_is_lost_ends_the_run_in_one_line(here, number):
+    with started(here) as address:
+        process = slow_run(here, address)
+        os.kill(scheduler_process(address), number)
+        assert ended(process) == (
+            "the scheduler does not answer any more; what is done is kept; "
+            "continue with: railvib resume runs/small"
+        )
+
+
+@pytest.mark.slow
+def test_a_run_whose_workers_are_all_gone_ends(here):
+    with started(here) as address:
+        process = slow_run(here, address, "--wait", "0.1")
+        for worker in psutil.process_iter():
+            with contextlib.suppress(psutil.Error):
+                if worker.cwd() == str(here) and "worker" in worker.cmdline():
+                    worker.kill()
+        last = ended(process)
+        assert last.startswith(f"workers at {address}: none for ")
+        assert last.endswith("continue with: railvib resume runs/small")
+
+
+def scheduler_process(address):
+    """Return the number of the process that listens there."""
+    port = int(address.rpartition(":")[2])
+    return next(
+        connection.pid
+        for connection in psutil.net_connections("tcp")
+        if connection.status == "LISTEN" and connection.laddr.port == port
+    )
