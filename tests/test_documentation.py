@@ -43,3 +43,13 @@ def test_every_decision_is_listed_once():
     listed = LINK.findall((DECISIONS / "README.md").read_text(encoding="utf-8"))
     pages = [path.name for path in DECISIONS.glob("*.md") if path.name != "README.md"]
     assert sorted(link for link in listed if "/" not in link) == sorted(pages)
+
+
+def test_walks_pass_through_twelve_files_at_most_and_none_twice():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    section = text.partition("## Two walks")[2]
+    walks = [re.findall(r"^ {4}(\S+)", block, re.MULTILINE) for block in section.split(":\n")[1:]]
+    assert len(walks) == 2
+    for files in walks:
+        assert [file for file in files if not (ROOT / file).is_file()] == []
+        assert len(set(files)) == len(files) <= 12

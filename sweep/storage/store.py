@@ -78,18 +78,6 @@ def _read(
     return stored.arrays() if arrays is None else stored.verify(arrays, known), stored.attributes
 
 
-def read_arrays(directory: Path | str, group: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Return the arrays of a group of a run by name, unchecked, and the group's attributes.
-
-    Raises
-    ------
-    DamagedError
-        If the group is missing or cannot be decoded.
-    """
-    stored = _read_whole(directory, group)
-    return stored.arrays(), stored.attributes
-
-
 def check(directory: Path | str, record: Mapping[str, Any]) -> None:
     """Read the group of a record, and check all of it against the recorded sha256.
 
@@ -98,14 +86,10 @@ def check(directory: Path | str, record: Mapping[str, Any]) -> None:
     DamagedError
         If the group is missing, cannot be decoded or is not the recorded one.
     """
-    group = _read_whole(directory, record["group"], record.get("metadata"), record.get("member"))
+    name = record["group"]
+    place = location.at(_home(directory, name))
+    group = Group.read_whole(place, f"{STORE}/{name}", name, record.get("metadata"), record.get("member"))
     group.check(record["arrays"])
-
-
-def _read_whole(
-    directory: Path | str, group: str, metadata: str | None = None, member: str | None = None
-) -> Group:
-    return Group.read_whole(location.at(_home(directory, group)), f"{STORE}/{group}", group, metadata, member)
 
 
 def open_array(directory: Path | str, group: str, name: str) -> "zarr.Array[Any]":

@@ -88,7 +88,7 @@ def test_database_and_spectra_computed_again_from_the_store_agree(results, run_d
 
 @pytest.mark.parametrize("approach", APPROACHES)
 def test_database_and_stored_lines_summed_into_bands_agree(results, run_directory, approach):
-    arrays, attributes = store.read_arrays(run_directory, stored(results, run_directory, approach)["group"])
+    arrays, attributes = store.read_result(run_directory, stored(results, run_directory, approach))
     place = list(zip(attributes["receiver"], attributes["contribution"], strict=True)).index(
         ("rail", "dynamic")
     )

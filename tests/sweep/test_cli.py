@@ -72,7 +72,7 @@ def test_a_run_leaves_manifest_records_store_and_log(computed):
 
 def test_spectra_can_be_read(computed):
     for record in records.commits(computed / "out", "spectra"):
-        arrays, attributes = store.read_arrays(computed / "out", record["group"])
+        arrays, attributes = store.read_result(computed / "out", record)
         assert arrays["mean_square"].shape == (len(attributes["receiver"]), arrays["band"].size)
         assert arrays["mean_square"].min() > 0.0
         assert attributes["receiver"][-1] == "ground"

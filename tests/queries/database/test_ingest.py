@@ -50,7 +50,7 @@ def test_every_case_band_and_line_arrives(study):
 def test_spectra_arrive_as_they_are_stored(study):
     directory = study.write(lines=50)
     ingest(directory)
-    arrays, attributes = store.read_arrays(directory, group(directory, "spectra-1-150-full"))
+    arrays, attributes = store.read_result(directory, {"group": group(directory, "spectra-1-150-full")})
     place = attributes["receiver"].index("rail")
     with connect(directory) as connection:
         found = connection.execute(
@@ -71,7 +71,7 @@ def test_spectra_arrive_as_they_are_stored(study):
 def test_receptances_are_those_under_the_load(study):
     directory = study.write()
     ingest(directory)
-    arrays, _ = store.read_arrays(directory, group(directory, "receptance-1-150"))
+    arrays, _ = store.read_result(directory, {"group": group(directory, "receptance-1-150")})
     with connect(directory) as connection:
         found = connection.execute(
             "SELECT frequency_hz, receptance_re, receptance_im, distance_m FROM receptances "
@@ -165,7 +165,7 @@ def test_a_second_run_added_to_the_snapshot_gives_the_rows_of_a_rebuild(study, a
 def test_a_run_that_adds_nothing_reads_no_array(study, monkeypatch):
     ingest(study.write())
     directory = study.write(run_id="run-2", started="2026-03-02T08:00:00+00:00")
-    monkeypatch.setattr(store, "read_arrays", lambda *_: pytest.fail("read an array"))
+    monkeypatch.setattr(store, "read_result", lambda *_: pytest.fail("read an array"))
     assert ingest(directory).changed
 
 

@@ -161,7 +161,7 @@ def test_what_was_written_is_restored_as_it_is_read(tmp_path, spectrum):
 
 def test_plain_arrays_and_attributes(tmp_path, spectrum):
     written = write(tmp_path, spectrum)
-    arrays, attributes = store.read_arrays(tmp_path, written.group)
+    arrays, attributes = store.read_result(tmp_path, {"group": written.group})
     np.testing.assert_array_equal(arrays["transfer"], spectrum.transfer)
     assert arrays.keys() == {"frequency", "transfer", "count", "constant"}
     assert attributes["receivers"] == ["rail", "ground"]
@@ -275,7 +275,7 @@ def test_a_group_of_several_results_opens_as_one_dataset(tmp_path, monkeypatch, 
         assert dataset.ground.dims == ("receiver", "frequency")
         assert list(dataset.ground.attrs["members"]) == ["8", "12.5"]
         assert dataset.ground.attrs["members"]["12.5"]["offset"] == 12.5
-    arrays, _ = store.read_arrays(tmp_path, written["8"].group)
+    arrays, _ = store.read_result(tmp_path, {"group": written["8"].group})
     np.testing.assert_array_equal(arrays["ground"], both)
 
 
@@ -380,7 +380,7 @@ def test_altered_attributes_are_found_against_the_record(tmp_path, spectrum):
 
 def test_a_missing_group_is_damage(tmp_path):
     with pytest.raises(store.DamagedError, match="spectrum/2"):
-        store.read_arrays(tmp_path, "spectrum/2")
+        store.read_result(tmp_path, {"group": "spectrum/2"})
 
 
 def test_a_damaged_group_is_replaced(tmp_path, spectrum):
@@ -713,7 +713,7 @@ def test_writers_of_one_unit_do_not_tear_each_others_chunks(tmp_path):
     groups = [path for path in (tmp_path / store.STORE / "spectrum").iterdir() if path.is_dir()]
     seen = set()
     for group in groups:
-        arrays, _ = store.read_arrays(tmp_path, f"spectrum/{group.name}")
+        arrays, _ = store.read_result(tmp_path, {"group": f"spectrum/{group.name}"})
         (value,) = set(arrays["transfer"].ravel())
         seen.add(value)
     assert seen == {sign * (count + 1.0) for sign in (1.0, -1.0) for count in range(20)}
