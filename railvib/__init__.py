@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from railvib.parameters.track import Track, TrackLayer
     from railvib.parameters.unevenness import Unevenness
     from railvib.parameters.vehicle import Train, Vehicle
-    from railvib.prediction import predict, rail_receptance
+    from railvib.prediction import predict, predict_passage, rail_receptance
     from railvib.soil.compliance import ground_green_function, line_compliance
     from railvib.soil.flexibility import ground_flexibility
     from railvib.soil.flexibility_tensor import ground_flexibility_tensor
@@ -35,6 +35,7 @@ _HOME = {
     "ground_green_function": "soil.compliance",
     "line_compliance": "soil.compliance",
     "predict": "prediction",
+    "predict_passage": "prediction",
     "rail_receptance": "prediction",
     "surface_wave_speeds": "soil.surface_waves",
 }
@@ -56,6 +57,7 @@ __all__ = [
     "ground_green_function",
     "line_compliance",
     "predict",
+    "predict_passage",
     "rail_receptance",
     "surface_wave_speeds",
 ]

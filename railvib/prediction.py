@@ -14,6 +14,7 @@ from railvib.numerics import third_octaves, threads
 from railvib.parameters.approach import APPROACHES, Approach, Averaging
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
+from railvib.parameters.metric import FEWEST_PASSAGES, METRICS, MOST_PASSAGES, Metric
 from railvib.parameters.receiver import FARTHEST, RAIL, Receiver
 from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
@@ -21,6 +22,8 @@ from railvib.parameters.vehicle import Train
 from railvib.plausibility import check_contact, check_damping, check_inputs, check_speed, check_tolerance
 from railvib.psd.spectra import Spectra
 from railvib.stages.graph import case_spectra, evaluate
+from railvib.stages.passage_dataset import passage_dataset
+from railvib.stages.passage_levels import PassageLevelsOfCase
 from railvib.stages.transfer_table import TransferTable
 from railvib.transfer.table import TransferBlock
 from railvib.transfer.transfer_function import TransferFunction
@@ -165,29 +168,135 @@ def predict(
     """
     receivers = _receivers(offsets, rail)
     _check(receivers, approaches, refinement)
-    check_inputs(ground, track, speed)
-    check_tolerance(tolerance)
-    check_damping(ground)
-    check_speed(ground, track, speed)
-    midband = third_octaves.midbands(minimum_frequency, maximum_frequency)
-    lower, upper = third_octaves.edges(midband)
-    check_contact(ground, track, float(lower[0]), float(upper[-1]))
-    case: dict[str, Any] = {
-        "ground": ground,
-        "track": track,
-        "train": train,
-        "unevenness": unevenness,
-        "speed": float(speed),
-        "band": tuple(midband.tolist()),
-        "receivers": receivers,
+    band = third_octaves.midbands(minimum_frequency, maximum_frequency)
+    case = _case(ground, track, train, unevenness, speed, receivers, band, tolerance) | {
         "averaging": (averaging,),
-        "tolerance": tolerance,
         "cross_section": cross_section or CrossSection(),
         "refinement": refinement,
     }
     stages = [case_spectra(approach, **case) for approach in approaches]
     results = evaluate(stages)
     return _dataset([results[stage] for stage in stages], receivers, averaging)
+
+
+@threads.single()
+def predict_passage(
+    ground: Ground,
+    track: Track,
+    train: Train,
+    unevenness: Unevenness,
+    speed: float,
+    offsets: Iterable[float] = (),
+    *,
+    rail: bool = True,
+    approaches: Sequence[Approach] = _DEFAULT_APPROACHES,
+    minimum_frequency: float = 1.0,
+    maximum_frequency: float = 100.0,
+    tolerance: float = 1e-4,
+    cross_section: CrossSection | None = None,
+    metrics: Sequence[Metric] = METRICS,
+    quantiles: Sequence[float] = (0.05, 0.5, 0.95),
+    passages: int = 64,
+    seed: int = 1,
+) -> "xarray.Dataset":
+    """Predict the random passage of one case in time, by several approaches.
+
+    Parameters
+    ----------
+    ground, track, train, unevenness, speed, offsets, rail, approaches
+        As for `predict`.
+    minimum_frequency, maximum_frequency, tolerance, cross_section
+        As for `predict`; the histories hold the bands between these frequencies.
+    metrics
+        Which levels; see `railvib.parameters.metric`.
+    quantiles
+        Over realisations of the unevenness, between 0 and 1.
+    passages
+        Number of sampled passages, from 16 to 65,536; all their histories are returned.
+    seed
+        Seed of the ensemble, which all cases share.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``variance`` σ²(t), (m/s)², and ``quasi_static`` m(t), m/s, over (approach, receiver, time);
+        ``velocity`` of the sampled passages over (approach, passage, receiver, time), m/s; ``level`` over
+        (approach, receiver, metric, statistic), in the units of the coordinate ``unit``, NaN where a metric
+        has no such statistic. The middle of the train passes at 0 s.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
+
+    Notes
+    -----
+    docs/theory/passage.md
+    """
+    receivers = _receivers(offsets, rail)
+    _check(receivers, approaches, refinement=1)
+    _check_levels(metrics, quantiles, passages, seed)
+    band = third_octaves.midbands(minimum_frequency, maximum_frequency)
+    case = _case(ground, track, train, unevenness, speed, receivers, band, tolerance)
+    levels: dict[str, Any] = {
+        "metrics": tuple(metrics),
+        "quantiles": tuple(float(quantile) for quantile in quantiles),
+        "passages": passages,
+        "seed": seed,
+    }
+    section = cross_section or CrossSection()
+    stages = [
+        PassageLevelsOfCase(
+            approach=approach, **case, **levels, cross_section=section if approach == "fe-be" else None
+        )
+        for approach in approaches
+    ]
+    results = evaluate(stages)
+    return passage_dataset([(stage, results[stage]) for stage in stages], results.__getitem__)
+
+
+def _case(
+    ground: Ground,
+    track: Track,
+    train: Train,
+    unevenness: Unevenness,
+    speed: float,
+    receivers: tuple[Receiver, ...],
+    band: np.ndarray,
+    tolerance: float,
+) -> dict[str, Any]:
+    """Return the fields that all stages of a case have, checked together."""
+    check_inputs(ground, track, speed)
+    check_tolerance(tolerance)
+    check_damping(ground)
+    check_speed(ground, track, speed)
+    lower, upper = third_octaves.edges(band)
+    check_contact(ground, track, float(lower[0]), float(upper[-1]))
+    return {
+        "ground": ground,
+        "track": track,
+        "train": train,
+        "unevenness": unevenness,
+        "speed": float(speed),
+        "band": tuple(band.tolist()),
+        "receivers": receivers,
+        "tolerance": tolerance,
+    }
+
+
+def _check_levels(metrics: Sequence[str], quantiles: Sequence[float], passages: int, seed: int) -> None:
+    for metric in metrics:
+        if metric not in METRICS:
+            raise InputError(f"metric = {metric!r}: must be one of {', '.join(METRICS)}")
+    if not metrics:
+        raise InputError(f"metrics is empty: must name at least one of {', '.join(METRICS)}")
+    for quantile in quantiles:
+        if not 0.0 < quantile < 1.0:
+            raise InputError(f"quantile = {quantile}: must be above 0 and below 1")
+    if not FEWEST_PASSAGES <= passages <= MOST_PASSAGES:
+        raise InputError(f"passages = {passages}: must be from {FEWEST_PASSAGES} to {MOST_PASSAGES}")
+    if seed < 0:
+        raise InputError(f"seed = {seed}: must not be negative")
 
 
 def _receivers(offsets: Iterable[float], rail: bool) -> tuple[Receiver, ...]:

@@ -61,6 +61,7 @@ COVERED = {
     "railvib/stages/model_stage.py": "railvib/stages/test_graph.py",
     "railvib/stages/moving_roughness.py": "railvib/stages/test_graph.py",
     "railvib/stages/moving_transfer.py": "railvib/stages/test_graph.py",
+    "railvib/stages/passage_dataset.py": "railvib/test_prediction.py",
     "railvib/stages/quasi_static.py": "railvib/stages/test_graph.py",
     "railvib/stages/receptances.py": "railvib/stages/test_graph.py",
     "railvib/stages/stage.py": "railvib/stages/test_graph.py",

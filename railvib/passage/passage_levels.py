@@ -79,7 +79,7 @@ class RandomPassage:
     def __init__(
         self, approach: Approach, passage: Passage, ground: Ground, rail: Receptances, highest: float
     ) -> None:
-        self._approach = approach
+        self.approach = approach
         self._passage = passage
         train, speed = passage.train, passage.speed
         self.grid: Grid = passage_grid(ground, train.length, speed, passage.band, highest)
@@ -98,11 +98,16 @@ class RandomPassage:
                 self._excitation = np.zeros((sets.shape[0], beta.size, sets.shape[2]), complex)
                 self._excitation[:, inside] = sets
 
+    @property
+    def band(self) -> np.ndarray:
+        """One-third octaves that the histories hold, exact midbands, Hz."""
+        return np.asarray(self._passage.band)
+
     def amplitudes(self, receiver: Receiver, function: TransferFunction) -> list[Block]:
         """Return the amplitudes of velocity at a receiver."""
         train, speed = self._passage.train, self._passage.speed
         with cost.stage("random passage") as spent:
-            if self._approach == "full":
+            if self.approach == "full":
                 blocks = full_model_amplitudes(
                     {receiver: function},
                     self._excitation,
@@ -129,27 +134,20 @@ class RandomPassage:
 
 @threads.single()
 def passage_levels(
-    approach: Approach,
-    passage: Passage,
-    ground: Ground,
-    rail: Receptances,
-    receivers: Mapping[Receiver, TransferFunction],
-    highest: float,
-    request: Request,
+    random: RandomPassage, receivers: Mapping[Receiver, TransferFunction], request: Request
 ) -> PassageLevels:
     """Return the levels of random passages at some receivers.
 
     Parameters
     ----------
-    approach, passage, ground, rail, highest
-        As for `RandomPassage`.
+    random
+        The random passage of a case.
     receivers
         The receivers' transfer functions, taken one by one.
     request
         Which levels.
     """
-    random = RandomPassage(approach, passage, ground, rail, highest)
-    wanted = list(signals(request.metrics, random.grid.frequency, np.asarray(passage.band)))
+    wanted = list(signals(request.metrics, random.grid.frequency, random.band))
     rows: list[tuple[Receiver, Level]] = []
     for receiver in receivers:
         function = receivers[receiver]
@@ -165,5 +163,5 @@ def passage_levels(
         metric=np.array([level.metric for _receiver, level in rows]),
         statistic=np.array([level.statistic for _receiver, level in rows]),
         unit=np.array([level.unit for _receiver, level in rows]),
-        approach=approach,
+        approach=random.approach,
     )

@@ -12,7 +12,7 @@ from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
 from railvib.passage.ensemble import AT_ONCE
 from railvib.passage.grid import passage_lines
-from railvib.passage.passage_levels import PassageLevels, Request, passage_levels
+from railvib.passage.passage_levels import PassageLevels, RandomPassage, Request, passage_levels
 from railvib.stages.full_model import FullModelSpectra
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage, blocks_over
 from railvib.stages.moving_roughness import MovingRoughnessSpectra
@@ -105,18 +105,18 @@ class PassageLevelsOfCase(ModelStage):
 
     def compute(self, load: Load) -> PassageLevels:
         """Compute the levels."""
-        functions = LoadedFunctions(
-            {receiver: self._tables(receiver) for receiver in self.receivers}, self.track, load
-        )
-        return passage_levels(
-            self.approach,
-            self._spectra.passage,
-            self.ground,
-            load(self._rail),
-            functions,
-            self._highest_excitation,
-            Request(self.metrics, self.quantiles, self.passages, self.seed),
-        )
+        request = Request(self.metrics, self.quantiles, self.passages, self.seed)
+        return passage_levels(self.random_passage(load), self.functions(load), request)
+
+    def random_passage(self, load: Load) -> RandomPassage:
+        """Return the random passage that the levels are those of."""
+        passage, highest = self._spectra.passage, self._highest_excitation
+        return RandomPassage(self.approach, passage, self.ground, load(self._rail), highest)
+
+    def functions(self, load: Load) -> LoadedFunctions:
+        """Return the receivers' transfer functions, which are loaded when they are asked for."""
+        tables = {receiver: self._tables(receiver) for receiver in self.receivers}
+        return LoadedFunctions(tables, self.track, load)
 
     @property
     def _lines(self) -> float:

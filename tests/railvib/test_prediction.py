@@ -15,7 +15,7 @@ from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
 from railvib.parameters.vehicle import Train
 from railvib.plausibility import check_speed
-from railvib.prediction import predict, rail_receptance
+from railvib.prediction import predict, predict_passage, rail_receptance
 from railvib.psd.lines import lines
 
 SPEED = 30.0
@@ -32,6 +32,11 @@ def single(vehicle):
 @pytest.fixture(scope="module")
 def case(track, single):
     return predict(SOFT, track, single, ROUGH, SPEED, [0.0, 8.0], **LIMITS)
+
+
+@pytest.fixture(scope="module")
+def passage(track, single):
+    return predict_passage(SOFT, track, single, ROUGH, SPEED, [8.0], passages=256, **LIMITS)
 
 
 def level(data, receiver=None):
@@ -254,6 +259,52 @@ class TestRefusals:
         frequency, distance, speed = arguments
         with pytest.raises(InputError):
             rail_receptance(track, SOFT, frequency, distance, speed)
+
+
+class TestPassage:
+    def test_axes(self, passage, case):
+        assert list(passage.approach.values) == list(case.approach.values)
+        assert list(passage.receiver.values) == ["rail", "ground 8 m"]
+        assert passage.velocity.dims == ("approach", "passage", "receiver", "time")
+        assert passage.velocity.attrs["unit"] == "m/s"
+        assert passage.unit.sel(metric="vdv") == "m/s^1.75"
+        assert np.isfinite(passage.level.sel(statistic=["mean", "q0.05", "q0.5", "q0.95"])).all()
+
+    def test_the_train_is_here_at_0_s(self, passage, single):
+        """Two thirds of the energy on the rail come while the train passes, and its half before and after."""
+        energy = (passage.variance + passage.quasi_static**2).sel(receiver="rail")
+        here = np.abs(passage.time) < single.length / SPEED
+        assert (energy.where(here, 0.0).sum("time") > 0.66 * energy.sum("time")).all()
+
+    def test_variance_over_time_is_that_of_the_samples(self, passage):
+        """Its sum over time within five standard errors, of 256 passages."""
+        square = ((passage.velocity - passage.quasi_static) ** 2).sum("time")
+        error = square.std("passage") / np.sqrt(passage.sizes["passage"])
+        assert (np.abs(square.mean("passage") - passage.variance.sum("time")) < 5.0 * error).all()
+
+    def test_energy_of_the_full_model_is_that_of_its_spectrum(self, passage, case, single):
+        """Over all bands to 0.1 dB: the record's lines end up to a step short of the outermost edges."""
+        step = float(passage.time[1] - passage.time[0])
+        energy = passage.variance.sel(approach="full", receiver="ground 8 m").sum() * step
+        mean_square = case.velocity_mean_square.sel(
+            approach="full", receiver="ground 8 m", contribution="dynamic"
+        )
+        ratio = energy / (mean_square.sum() * single.length / SPEED)
+        assert abs(level(float(ratio))) < 0.1
+
+    @pytest.mark.parametrize(
+        ("change", "message"),
+        [
+            ({"metrics": ("kb",)}, "metric = 'kb': must be one of kb-f-max"),
+            ({"metrics": ()}, "metrics is empty"),
+            ({"quantiles": (1.0,)}, "quantile = 1.0: must be above 0 and below 1"),
+            ({"passages": 8}, "passages = 8: must be"),
+            ({"seed": -1}, "seed = -1: must not be negative"),
+        ],
+    )
+    def test_refusals(self, track, single, change, message):
+        with pytest.raises(InputError, match=message):
+            predict_passage(SOFT, track, single, ROUGH, SPEED, [8.0], **LIMITS, **change)
 
 
 class TestWarnings:
