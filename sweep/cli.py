@@ -7,7 +7,7 @@ import gc
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -111,15 +111,17 @@ def run(study: Path, out: Path | None, store: str | None, **launch: Any) -> None
 @click.command()
 @click.argument("directory", type=DIRECTORY)
 @click.option("--failed", is_flag=True, help="Only what has failed, and what waited for it.")
+@click.option("--study", type=STUDY, help="The study, where the manifest of the run is gone or damaged.")
 @STORED
 @computing
-def resume(directory: Path, failed: bool, store: str | None, **launch: Any) -> None:
+def resume(directory: Path, failed: bool, study: Path | None, store: str | None, **launch: Any) -> None:
     """Compute what is missing, damaged or failed of the latest run in DIRECTORY."""
     with _collect_garbage_later():
         launched = _launch(launch, directory)
         from sweep import driver
 
-        prepared = driver.plan(_latest(directory), directory, store, launched)
+        resolved = _latest(directory) if study is None else _study_of(directory, study)
+        prepared = driver.plan(resolved, directory, store, launched)
         driver.check_fits(prepared, launched.local_processes)
     sys.exit(driver.drive(prepared, launched, mend=True, only_failed=failed))
 
@@ -219,10 +221,35 @@ def _latest(directory: Path) -> "Resolved":
         return study.resolve(manifest["study"])
 
 
+def _study_of(directory: Path, path: Path) -> "Resolved":
+    """Return a study for a directory of results whose manifest is gone.
+
+    Raises
+    ------
+    InputError
+        If the directory holds no results, or its manifest is there and names another study.
+    """
+    from sweep.storage import records
+
+    resolved = _load(path)
+    if not (directory / records.RECORDS).is_dir():
+        raise InputError(f"{directory}: holds no run")
+    with suppress(FileNotFoundError):
+        run, given = records.Run.load(directory)["study_name"], resolved.study.study.name
+        if run != given:
+            raise InputError(f"--study = {str(path)!r}: is {given!r}; the run is of {run!r}")
+    return resolved
+
+
 def _manifest(directory: Path) -> dict[str, Any]:
-    from sweep.storage.records import Run
+    from sweep.storage import records
 
     try:
-        return Run.load(directory)
+        return records.Run.load(directory)
     except (FileNotFoundError, NotADirectoryError):
+        if (directory / records.RECORDS).is_dir():
+            raise InputError(
+                f"{directory}: its manifests are gone or damaged; go on with: "
+                f"railvib resume {directory} --study FILE"
+            ) from None
         raise InputError(f"{directory}: holds no run") from None

@@ -96,6 +96,8 @@ def check_number(resolved: Resolved) -> None:
 def check_directory(directory: Path, name: str) -> None:
     """Check that a directory is new, empty or holds earlier runs of this study.
 
+    A directory of results whose manifests are gone or damaged may go on with any: ids say what is there.
+
     Raises
     ------
     InputError
@@ -108,6 +110,8 @@ def check_directory(directory: Path, name: str) -> None:
     try:
         other = records.Run.load(directory)["study_name"]
     except (OSError, ValueError, KeyError):
+        if (directory / records.RECORDS).is_dir():
+            return
         raise InputError(
             f"--out = {str(directory)!r}: holds something else; must be new, empty or of the study {name!r}"
         ) from None

@@ -1,5 +1,7 @@
 import json
+import os
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -141,3 +143,85 @@ def test_the_database_is_derived(copy, monkeypatch, how):
     assert invoke("resume", copy, "--workers", 0).exit_code == 0
     ingest(copy)
     assert invoke("status", "--verify", copy).exit_code == 0
+
+
+def write_everywhere(text):
+    """Return a way to replace all manifests by a text, or to remove them."""
+
+    def damage(copy):
+        for path in (copy / "run.json", *(copy / records.RECORDS / "runs").iterdir()):
+            path.unlink()
+            if text is not None:
+                path.write_text(text, encoding="utf-8")
+
+    return damage
+
+
+@pytest.mark.parametrize("text", [None, '{"run_id": "x", "st', "[1, 2]", "null", "{}", "[" * 100_000])
+def test_a_run_without_its_manifests_goes_on_with_its_study(copy, computed, text):
+    before = arrays(copy)
+    write_everywhere(text)(copy)
+    for command in ("status", "resume"):
+        refused = invoke(command, copy)
+        assert refused.exit_code == 2
+        assert refused.stderr == (
+            f"Error: {copy}: its manifests are gone or damaged; "
+            f"go on with: railvib resume {copy} --study FILE\n"
+        )
+    resumed = invoke("resume", copy, "--study", computed / "small.toml", "--workers", 0)
+    assert resumed.exit_code == 0, resumed.output
+    assert "0 tasks to run" in resumed.output
+    assert arrays(copy) == before
+    assert "1 of 1 complete" in invoke("status", copy).output
+
+
+def test_another_study_is_refused(copy, computed, tmp_path):
+    other = tmp_path / "other.toml"
+    other.write_text((computed / "small.toml").read_text().replace('"small"', '"other"'), encoding="utf-8")
+    refused = invoke("resume", copy, "--study", other)
+    assert refused.exit_code == 2
+    assert "is 'other'; the run is of 'small'" in refused.stderr
+    nothing = invoke("resume", tmp_path, "--study", other)
+    assert nothing.exit_code == 2
+    assert "holds no run" in nothing.stderr
+
+
+def link_to_itself(path):
+    path.symlink_to(path)
+
+
+@pytest.mark.parametrize(
+    "replace",
+    [
+        lambda path: path.write_text("[1]"),
+        lambda path: path.write_text("null"),
+        lambda path: path.write_text("[" * 100_000),
+        lambda path: path.write_text('{"schema": 2}'),
+        Path.mkdir,
+        os.mkfifo,
+        link_to_itself,
+    ],
+    ids=["list", "null", "nested", "without keys", "folder", "fifo", "link to itself"],
+)
+def test_a_record_that_is_none_is_damage(copy, replace):
+    record = sorted((copy / records.RECORDS / "spectra").iterdir())[0]
+    record.unlink()
+    replace(record)
+    assert record.stem in invoke("status", "--verify", copy).output
+    resumed = invoke("resume", copy, "--workers", 0)
+    assert resumed.exit_code == 0, resumed.output
+    assert f"{record.stem}: its record cannot be read; it is computed again" in resumed.output
+    assert invoke("status", "--verify", copy).exit_code == 0
+
+
+def test_garbage_in_logs_failures_and_locks_is_passed_over(copy):
+    failed = copy / records.RECORDS / "failed"
+    failed.mkdir(exist_ok=True)
+    (failed / "abc.json").write_text('{"unit_id": "abc"}')
+    (failed / "abd.json").write_text("[1]")
+    with (copy / "log.jsonl").open("a") as log:
+        log.write('[1, 2]\nnull\n"x"\n{"event"\n' + "[" * 100_000 + "\n")
+    (copy / "run.lock").write_bytes(b"\xff\x00garbage[1")
+    for command in (("status",), ("status", "--verify"), ("resume", "--workers", 0)):
+        result = invoke(command[0], copy, *command[1:])
+        assert result.exit_code == 0, result.output
