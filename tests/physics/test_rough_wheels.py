@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from railvib import library, predict
+from railvib import library, predict, predict_passage
+from railvib.errors import InputError
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
 from railvib.parameters.wheel_roughness import WheelRoughness
@@ -118,3 +119,8 @@ def test_wheels_of_different_make_add_up(greby, track, rough):
             first_alone.sel(approach=approach) + second_alone.sel(approach=approach),
             rtol=tolerance,
         )
+
+
+def test_random_passages_refuse_what_they_would_leave_out(greby, track, rough):
+    with pytest.raises(InputError, match="train: has wheel_roughness, which random passages would leave out"):
+        predict_passage(greby, track, rough, RAILS, 20.0)
