@@ -1,5 +1,6 @@
 """A study, its cases and the plan of what it needs, checked against a directory before anything runs."""
 
+import os
 from collections.abc import Mapping, Set
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -93,6 +94,10 @@ def check_number(resolved: Resolved) -> None:
         )
 
 
+UNREADABLE = frozenset("?\\\N{REPLACEMENT CHARACTER}")
+"""Characters that no folder above a database may have; the last one stands for bytes that are no text."""
+
+
 def check_directory(directory: Path, name: str) -> None:
     """Check that a directory is new, empty or holds earlier runs of this study.
 
@@ -103,6 +108,12 @@ def check_directory(directory: Path, name: str) -> None:
     InputError
         If it does not.
     """
+    place = os.fsencode(directory.resolve()).decode(errors="replace")
+    if not UNREADABLE.isdisjoint(place):
+        raise InputError(
+            f"--out = {place!r}: must be in UTF-8 and without ? and \\, "
+            "which DuckDB does not read as names of files"
+        )
     if not directory.exists() or (
         directory.is_dir() and {path.name for path in directory.iterdir()} <= {LOCK}
     ):

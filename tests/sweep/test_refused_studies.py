@@ -1,5 +1,7 @@
 """Studies that are refused: one line, exit code 2, nothing written; those that are unusual: a warning."""
 
+import os
+
 import pytest
 
 from tests.sweep.small import STUDY, invoke
@@ -116,3 +118,18 @@ def test_what_is_unusual_is_a_warning_of_the_plan(tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
     assert "warning: sweep.speed_kmh = 5 km/h: trains run at 10 km/h or more" in result.stderr
     assert result.stdout.startswith("title       A slow train – for once\nstudy       small, to ")
+
+
+@pytest.mark.parametrize("command", ["plan", "run"])
+@pytest.mark.parametrize("name", ["why?", "back\\slash", os.fsdecode(b"no\xfftext")])
+def test_a_place_where_no_database_can_be_opened_is_refused_before_anything_runs(
+    tmp_path, monkeypatch, command, name
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    result = invoke(command, "study.toml", "--out", os.path.join(name, "out"))
+    assert result.exit_code == 2, result.output
+    assert result.stderr.startswith("Error: --out = ")
+    assert "must be in UTF-8 and without ? and \\" in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
