@@ -34,6 +34,7 @@ COVERED = {
     "railvib/parameters/speed.py": "railvib/test_plausibility.py",
     "railvib/passage/_kernels/panel_series.py": PASSAGE,
     "railvib/passage/amplitudes.py": PASSAGE,
+    "railvib/passage/closed_levels.py": "railvib/passage/test_closed_forms.py",
     "railvib/passage/ensemble.py": PASSAGE,
     "railvib/passage/excitation.py": PASSAGE,
     "railvib/passage/full_model.py": PASSAGE,

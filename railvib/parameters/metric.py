@@ -15,4 +15,4 @@ Metric = Literal["kb-f-max", "v-max-fast", "v-max-slow", "ppv", "vdv", "third-oc
 METRICS: tuple[Metric, ...] = get_args(Metric)
 
 FEWEST_PASSAGES, MOST_PASSAGES = 16, 65_536
-"""Range of the number of sampled passages."""
+"""Range of the number of sampled passages, where it is not 0 for closed forms."""

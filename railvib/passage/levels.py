@@ -15,7 +15,7 @@ from railvib.passage.moments import over_time, variance_spectra
 
 _PEAK_SAMPLES = 9.0
 """Samples per period of the highest frequency for peaks and doses."""
-_LARGEST_DIFFERENCE = 32.0
+LARGEST_DIFFERENCE = 32.0
 """Highest frequency of the variance over time, Hz: a Fast running mean passes 4 % of it."""
 
 
@@ -109,7 +109,7 @@ def expectations(
         As for `sampled_values`; one-third octaves and peaks have no such expectation here.
     """
     broad = [each for each in wanted if each.lines == slice(0, grid.frequency.size)]
-    count = int(_LARGEST_DIFFERENCE / grid.step)
+    count = int(LARGEST_DIFFERENCE / grid.step)
     spectra = variance_spectra(amplitudes, grid, [each.response for each in broad], count)
     samples = samples_for(grid, float(grid.frequency[-1]), running.SAMPLES_PER_PERIOD)
     step = 1.0 / (grid.step * samples)

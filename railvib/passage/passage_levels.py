@@ -13,6 +13,7 @@ from railvib.parameters.approach import Approach
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import Receiver
 from railvib.passage.amplitudes import Block, time_shift
+from railvib.passage.closed_levels import closed_levels
 from railvib.passage.excitation import moving_excitation, standing_excitation
 from railvib.passage.full_model import full_model_amplitudes
 from railvib.passage.grid import Grid, passage_grid
@@ -35,7 +36,7 @@ class Request(NamedTuple):
     quantiles: tuple[float, ...]
     """Over realisations of the unevenness, between 0 and 1."""
     passages: int
-    """Number of sampled passages."""
+    """Number of sampled passages; 0 for closed forms."""
     seed: int
     """Seed of the ensemble, which all cases share."""
 
@@ -153,9 +154,13 @@ def passage_levels(
         function = receivers[receiver]
         amplitudes, mean = random.amplitudes(receiver, function), random.mean(function)
         with cost.stage("passage levels"):
-            values = sampled_values(amplitudes, mean, random.grid, wanted, request.passages, request.seed)
-            expected = expectations(amplitudes, mean, random.grid, wanted)
-            rows += [(receiver, level) for level in statistics(values, expected, request.quantiles)]
+            if request.passages:
+                values = sampled_values(amplitudes, mean, random.grid, wanted, request.passages, request.seed)
+                expected = expectations(amplitudes, mean, random.grid, wanted)
+                levels = statistics(values, expected, request.quantiles)
+            else:
+                levels = closed_levels(amplitudes, mean, random.grid, wanted, request.quantiles)
+            rows += [(receiver, level) for level in levels]
     return PassageLevels(
         value=np.array([level.value for _receiver, level in rows]),
         receiver=np.array([receiver.name for receiver, _level in rows]),

@@ -49,7 +49,7 @@ class PassageLevelsOfCase(ModelStage):
     quantiles
         Over realisations of the unevenness.
     passages
-        Number of sampled passages.
+        Number of sampled passages; 0 for closed forms.
     seed
         Seed of the ensemble.
     """
@@ -148,6 +148,8 @@ class PassageLevelsOfCase(ModelStage):
         receivers, lines = float(len(self.receivers)), self._lines
         batches = math.ceil(self.passages / AT_ONCE)
         values = receivers * lines**2 * self._sets
-        histories = receivers * lines * self.passages * (len(self.metrics) + len(self.band) / 4.0)
+        histories = (
+            receivers * lines * max(self.passages, AT_ONCE) * (len(self.metrics) + len(self.band) / 4.0)
+        )
         amounts = {"units": 1.0, "values": values, "sampled": values * batches, "histories": histories}
         return Work(self.name, amounts)

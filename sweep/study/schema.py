@@ -186,9 +186,10 @@ class Levels(Section):
 
     @model_validator(mode="after")
     def _passages_suffice(self) -> Self:
-        if not FEWEST_PASSAGES <= self.passages <= MOST_PASSAGES:
+        if self.passages and not FEWEST_PASSAGES <= self.passages <= MOST_PASSAGES:
             raise InputError(
-                f".passages = {self.passages}: must be from {FEWEST_PASSAGES} to {MOST_PASSAGES}"
+                f".passages = {self.passages}: must be 0, for closed forms, or from {FEWEST_PASSAGES} "
+                f"to {MOST_PASSAGES}"
             )
         return self
 

@@ -68,7 +68,7 @@ def with_(old, new):
         ),
         (
             with_("[accuracy]", '[levels]\nmetrics = ["ppv"]\npassages = 15\n[accuracy]'),
-            "levels.passages = 15: must be from 16 to 65536",
+            "levels.passages = 15: must be 0, for closed forms, or from 16 to 65536",
         ),
         (
             with_("[accuracy]", f"[soil.mine]\n{SOIL}\n[accuracy]"),

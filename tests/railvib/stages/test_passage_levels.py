@@ -75,6 +75,17 @@ def test_approaches_agree_within_a_few_decibels(results):
         assert abs(20.0 * np.log10(full / moving)) < 4.0, metric
 
 
+def test_closed_forms_sample_nothing(results):
+    """Medians are within 1.5 dB, in one-third octaves 3 dB; of doses they know the expectation only."""
+    one = stage("full", passages=0)
+    closed = evaluate([one])[one]
+    for metric in (*METRICS[:4], "third-octave-max-fast 10 Hz"):
+        values = (value_of(each, metric, "q0.5", 1) for each in (closed, results["full"]))
+        limit = 3.0 if metric.startswith("third-octave") else 1.5
+        assert abs(20.0 * np.log10(np.divide(*values))) < limit, metric
+    assert set(closed.statistic[closed.metric == "vdv"]) == {"expected"}
+
+
 def test_amounts_grow_with_what_is_asked():
     one = stage("full").work().amounts
     more = stage("full", passages=1024).work().amounts
