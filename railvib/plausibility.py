@@ -14,7 +14,7 @@ from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
 from railvib.parameters.validation import warn
-from railvib.soil.surface_waves import surface_wave_speeds
+from railvib.soil.surface_waves import slowest_surface_wave_speed
 from railvib.transfer.critical_speed import critical_speed
 from railvib.transfer.passivity import nonpassive_ranges
 from railvib.transfer.tabulate import LOOSEST, TIGHTEST
@@ -39,8 +39,7 @@ resolve the sharp peak of the wave that was not.
 @lru_cache(maxsize=256)
 def slowest_surface_wave(ground: Ground) -> float:
     """Return the lowest speed of a Rayleigh mode from 1 to 100 Hz, m/s; infinite without one."""
-    speeds = [surface_wave_speeds(ground, float(f)) for f in np.geomspace(1.0, HIGHEST, 8)]
-    return min((float(each[0]) for each in speeds if each.size), default=np.inf)
+    return min(slowest_surface_wave_speed(ground, float(f)) for f in np.geomspace(1.0, HIGHEST, 8))
 
 
 def check_tolerance(tolerance: float) -> None:

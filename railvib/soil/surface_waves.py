@@ -19,6 +19,8 @@ _FASTEST = 20.0
 """Multiple of the fastest wave's speed up to which modes over rigid bedrock are sought."""
 _NEAREST = 1e-6
 """Where the region begins, in ζ: a mode closer than 1e-12 to the base's shear speed is not told from it."""
+_LIMITS = (1.05, 1.2, 1.6, np.inf)
+"""Multiples of the slowest layer's Rayleigh speed up to which the slowest mode is sought, in turn."""
 _MARGINS = (0.1, 0.093, 0.107)
 """Distance of the region's edge from what it must hold, in turn until no zero lies on the edge."""
 
@@ -53,13 +55,37 @@ def surface_wave_speeds(ground: Ground, frequency: float) -> np.ndarray:
     The region is a rectangle of ζ, with k = k_s cosh ζ, so that the half-space's
     vertical wavenumber s = k_s sinh ζ has no branch point there; over rigid bedrock k is proportional to e^ζ.
     """
+    return _speeds(ground, frequency, np.inf)
+
+
+def slowest_surface_wave_speed(ground: Ground, frequency: float) -> float:
+    """Return the phase speed of the slowest Rayleigh mode at one frequency, m/s; infinite without one.
+
+    Deep soft ground has a thousand modes: only those below a speed are sought, which is raised until one is
+    there. Arguments and errors are those of `surface_wave_speeds`.
+    """
+    slowest = min(layer.rayleigh_speed for layer in ground.layers)
+    for limit in _LIMITS:
+        try:
+            speeds = _speeds(ground, frequency, limit * slowest)
+        except ArithmeticError:  # a mode lies at the limit itself
+            if limit == np.inf:
+                raise
+            continue
+        if speeds.size:
+            return float(speeds[0])
+    return float(np.inf)
+
+
+def _speeds(ground: Ground, frequency: float, limit: float) -> np.ndarray:
+    """Return the phase speeds of the modes below a limit, ascending, m/s."""
     if not (frequency > 0.0 and np.isfinite(frequency)):
         raise InputError(f"frequency = {frequency} Hz: surface waves have a positive frequency")
     omega = 2.0 * np.pi * frequency
     most_decay = _most_decay(ground)
-    k = _wavenumbers(ground, omega, most_decay)
+    k = _wavenumbers(ground, omega, most_decay, limit)
     fastest = np.inf if ground.base == "rigid" else ground.layers[-1].shear_speed
-    counts = (np.abs(k.imag) <= most_decay * k.real) & (k.real > omega / fastest)
+    counts = (np.abs(k.imag) <= most_decay * k.real) & (k.real > omega / min(fastest, limit))
     return np.sort(omega / k.real[counts])
 
 
@@ -75,13 +101,14 @@ def _most_decay(ground: Ground) -> float:
     return min(_MOST_DECAY, 0.75 * damping * (fastest / min(speeds)) ** 2 + 1.5 * damping + 1e-6)
 
 
-def _wavenumbers(ground: Ground, omega: float, most_decay: float) -> np.ndarray:
-    """Return the wavenumbers of the modes in a region that holds all up to a decay, and more, rad/m."""
+def _wavenumbers(ground: Ground, omega: float, most_decay: float, limit: float) -> np.ndarray:
+    """Return the wavenumbers of the modes in a region that holds all up to a decay and a speed, rad/m."""
     slowest = omega / (_SLOWEST * min(layer.rayleigh_speed for layer in ground.layers))
     stack = ground.stack()
     if ground.base == "rigid":
         fastest = omega / (_FASTEST * max(ground.wave_speeds()))
-        nearest, farthest = 0.0, float(np.log(slowest / fastest))
+        nearest = max(0.0, float(np.log(omega / limit / fastest))) if limit < np.inf else 0.0
+        farthest = float(np.log(slowest / fastest))
         deepest = float(np.arctan(most_decay))
 
         def wavenumber(zeta: np.ndarray) -> np.ndarray:
@@ -95,7 +122,8 @@ def _wavenumbers(ground: Ground, omega: float, most_decay: float) -> np.ndarray:
         base = ground.layers[-1]
         ks = omega / base.shear_speed / np.sqrt(1.0 + 1j * base.loss_factor)
         e = (base.shear_speed / base.dilatational_speed) ** 2
-        nearest, farthest = _NEAREST, float(np.arccosh(slowest * base.shear_speed / omega))
+        nearest = max(_NEAREST, float(np.arccosh(max(base.shear_speed / limit, 1.0))))
+        farthest = float(np.arccosh(slowest * base.shear_speed / omega))
         # Where the lines of Re k = ω/c_s and of the largest decay meet.
         deepest = float(np.arccos(2.0 / (most_decay + np.sqrt(most_decay**2 + 4.0))))
 

@@ -8,7 +8,7 @@ from railvib.errors import InputError
 from railvib.parameters.ground import Ground, Layer
 from railvib.soil._kernels.layers import surface_flexibility
 from railvib.soil.rational_fit import fit_flexibility
-from railvib.soil.surface_waves import surface_wave_speeds
+from railvib.soil.surface_waves import slowest_surface_wave_speed, surface_wave_speeds
 from railvib.transfer.critical_speed import critical_speed
 from tests.physics.judges import random_ground, rayleigh_mode_count
 
@@ -52,6 +52,16 @@ def test_any_soil(seed):
         assert np.all(speeds > 0.85 * min(layer.shear_speed for layer in ground.layers))
         if len(ground.layers) == 1 and ground.base == "half-space":
             assert speeds.size == 1
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_slowest_alone_is_the_first_of_all(seed):
+    rng = np.random.default_rng([22, seed])
+    ground = random_ground(rng, base="rigid" if seed % 5 == 4 else "half-space")
+    for frequency in 10.0 ** rng.uniform(0.0, 2.0, 3):
+        speeds = surface_wave_speeds(ground, float(frequency))
+        slowest = slowest_surface_wave_speed(ground, float(frequency))
+        assert slowest == pytest.approx(speeds[0] if speeds.size else np.inf, rel=1e-9)
 
 
 def with_damping(ground, loss_factor):
