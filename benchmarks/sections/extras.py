@@ -58,7 +58,7 @@ def _vehicles(size: Size) -> Iterator[Figure]:
         block = train.blocks[-1]
         timing = time_call(partial(block.flexibilities, omega), size.samples)
         form = "closed form" if isinstance(block, Vehicle) else f"by parts, {block.axle_count} axles"
-        cpu = tuple(each / FREQUENCIES for each in timing.cpu_s)
+        cpu = tuple(time_s / FREQUENCIES for time_s in timing.cpu_s)
         yield Figure(SECTION, "receptances per frequency", f"{name}, {form}", "cpu", "s", cpu)
 
 
@@ -66,7 +66,7 @@ def _wheels(size: Size) -> Iterator[Figure]:
     """Yield times of the spectra of a case with smooth and with rough wheels, its tables known."""
     smooth = library.load("train", "grona-taget")
     rough = Train(
-        vehicles=tuple(each.model_copy(update={"wheel_roughness": ORDERS}) for each in smooth.vehicles)
+        vehicles=tuple(vehicle.model_copy(update={"wheel_roughness": ORDERS}) for vehicle in smooth.vehicles)
     )
     for approach in ("moving-roughness", "full"):
         seconds = {}

@@ -197,11 +197,11 @@ def _largest_axis(request: Request, by_stage: Mapping[type[Stage], float]) -> st
         "offsets_m": study.receivers.offsets_m,
     }
 
-    def saved(axis: str) -> float:
+    def saving(axis: str) -> float:
         part = sum(amount for stage, amount in by_stage.items() if axis in stage.grows_with)
         return part * (1.0 - 1.0 / max(len(values[axis]), 1))
 
-    axis = max(values, key=saved)
+    axis = max(values, key=saving)
     section = "receivers" if axis == "offsets_m" else "sweep"
     return f"{section}.{axis} ({len(values[axis])} values)"
 

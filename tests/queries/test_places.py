@@ -54,12 +54,12 @@ COMMANDS = {
 
 def check_refused(command, arguments):
     """Check that a command ends with exit code 2 and one line that names no Python."""
-    done = CliRunner().invoke(command, list(map(str, arguments)))
-    assert done.exit_code == 2, (done.output, done.exception)
-    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
-    assert done.stderr.startswith("Error: ")
-    assert "Traceback" not in done.output
-    return done.stderr
+    result = CliRunner().invoke(command, list(map(str, arguments)))
+    assert result.exit_code == 2, (result.output, result.exception)
+    assert len(result.stderr.strip().splitlines()) == 1, result.stderr
+    assert result.stderr.startswith("Error: ")
+    assert "Traceback" not in result.output
+    return result.stderr
 
 
 @pytest.fixture(autouse=True)
@@ -127,8 +127,8 @@ def test_names_that_mean_something_to_duckdb_are_names_of_files(tmp_path, monkey
     directory = Study(Path(name)).write(soils=("clay",), lines=10)
     for command in ("ingest", "report", "figures", "export"):
         command, arguments = READING[command](directory)
-        done = CliRunner().invoke(command, ["--", *map(str, arguments)])
-        assert done.exit_code == 0, done.output
+        result = CliRunner().invoke(command, ["--", *map(str, arguments)])
+        assert result.exit_code == 0, result.output
     with connect(directory) as connection:
         assert connection.execute("SELECT count(*) FROM cases").fetchone() == (1,)
     assert (directory / DATABASE).is_file()

@@ -13,3 +13,12 @@ def computed(tmp_path_factory):
         result = invoke("run", folder / "small.toml", "--out", folder / "out", "--workers", 0)
     assert result.exit_code == 0, result.output
     return folder
+
+
+@pytest.fixture
+def study_folder(tmp_path, monkeypatch):
+    """Return the working directory with the small study; nothing is published after a run."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
+    (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
+    return tmp_path

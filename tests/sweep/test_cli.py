@@ -16,21 +16,12 @@ from tests.sweep import driver
 from tests.sweep.small import STUDY, invoke
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    """Return an empty directory to work in, where railvib publishes nothing after a run."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
-    (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
-    return tmp_path
-
-
-def changed(here, *replacements):
+def changed(study_folder, *replacements):
     text = STUDY
     for old, new in replacements:
         assert old in text
         text = text.replace(old, new)
-    (here / "small.toml").write_text(text, encoding="utf-8")
+    (study_folder / "small.toml").write_text(text, encoding="utf-8")
 
 
 def test_a_run_leaves_manifest_records_store_and_log(computed):
@@ -94,17 +85,17 @@ def test_status_and_plan_of_a_finished_run(computed):
     assert "none: everything is there" in plan
 
 
-def test_plan_writes_nothing(here):
+def test_plan_writes_nothing(study_folder):
     result = invoke("plan", "small.toml")
     assert result.exit_code == 0
     assert "cases       1 (1 soil x 1 track" in result.output
     assert "2 spectra" in result.output
     assert "to write" in result.output
-    assert os.listdir(here) == ["small.toml"]
+    assert os.listdir(study_folder) == ["small.toml"]
 
 
-def test_plan_counts_what_differs_and_says_what_is_implausible(here):
-    changed(here, ("speed_kmh = [30]", "speed_kmh = [30, 30.0, 30]"))
+def test_plan_counts_what_differs_and_says_what_is_implausible(study_folder):
+    changed(study_folder, ("speed_kmh = [30]", "speed_kmh = [30, 30.0, 30]"))
     result = invoke("plan", "small.toml")
     assert "cases       1 (1 soil x 1 track x 1 train x 1 unevenness spectrum x 1 speed)" in result.output
     assert "warning: german-low: 4 of 4 bands (4 to 8 Hz) rest on unevenness" in result.output
@@ -124,17 +115,17 @@ def test_plan_counts_what_differs_and_says_what_is_implausible(here):
     ],
 )
 @pytest.mark.parametrize("command", ["run", "plan"])
-def test_a_wrong_request_exits_with_2_and_writes_nothing(here, command, old, new, message):
-    changed(here, (old, new))
+def test_a_wrong_request_exits_with_2_and_writes_nothing(study_folder, command, old, new, message):
+    changed(study_folder, (old, new))
     result = invoke(command, "small.toml")
     assert result.exit_code == 2
     assert message in result.output
     assert result.output.count("\n") == 1
-    assert os.listdir(here) == ["small.toml"]
+    assert os.listdir(study_folder) == ["small.toml"]
 
 
-def test_the_directory_of_another_study_is_refused(here, computed):
-    changed(here, ('name = "small"', 'name = "other"'))
+def test_the_directory_of_another_study_is_refused(study_folder, computed):
+    changed(study_folder, ('name = "small"', 'name = "other"'))
     before = sorted((computed / "out").iterdir())
     result = invoke("run", "small.toml", "--out", computed / "out")
     assert result.exit_code == 2
@@ -142,22 +133,22 @@ def test_the_directory_of_another_study_is_refused(here, computed):
     assert sorted((computed / "out").iterdir()) == before
 
 
-def test_a_directory_of_something_else_is_refused(here):
+def test_a_directory_of_something_else_is_refused(study_folder):
     result = invoke("run", "small.toml", "--out", ".")
     assert result.exit_code == 2
     assert "holds something else" in result.output
-    assert os.listdir(here) == ["small.toml"]
+    assert os.listdir(study_folder) == ["small.toml"]
 
 
-def test_another_speed_leaves_the_ground_alone(here, computed):
-    changed(here, ("speed_kmh = [30]", "speed_kmh = [30, 33]"))
+def test_another_speed_leaves_the_ground_alone(study_folder, computed):
+    changed(study_folder, ("speed_kmh = [30]", "speed_kmh = [30, 33]"))
     result = invoke("plan", "small.toml", "--out", computed / "out")
     (line,) = [line for line in result.output.splitlines() if line.startswith("tasks")]
     assert "line_integrals" not in line
     assert "2 spectra" in line
 
 
-def test_a_failed_task_is_told_and_resumed(here, monkeypatch):
+def test_a_failed_task_is_told_and_resumed(study_folder, monkeypatch):
     from railvib.stages import line_integrals
 
     monkeypatch.setattr(line_integrals, "line_integrals", lambda *_: 1 / 0)
@@ -168,18 +159,20 @@ def test_a_failed_task_is_told_and_resumed(here, monkeypatch):
     assert status.exit_code == 0
     assert "0 of 1 complete" in status.output
     assert "ZeroDivisionError" in status.output
-    assert len(list(records.commits(here / "runs" / "small", "spectra"))) == 1  # the full model needs none
+    assert (
+        len(list(records.commits(study_folder / "runs" / "small", "spectra"))) == 1
+    )  # the full model needs none
     monkeypatch.undo()
-    monkeypatch.chdir(here)
+    monkeypatch.chdir(study_folder)
     monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
     assert invoke("resume", "runs/small", "--failed", "--workers", 0).exit_code == 0
     assert "1 of 1 complete" in invoke("status", "runs/small").output
-    assert list(records.failures(here / "runs" / "small")) == []
+    assert list(records.failures(study_folder / "runs" / "small")) == []
 
 
-def test_damage_is_repaired_within_a_run(here):
+def test_damage_is_repaired_within_a_run(study_folder):
     assert invoke("run", "small.toml", "--workers", 0).exit_code == 0
-    out = here / "runs" / "small"
+    out = study_folder / "runs" / "small"
     first = next(records.commits(out, "transfer"))
     name = next(name for name in ("rail", "ground") if name in first["arrays"])
     (out / store.STORE / first["group"] / name / "c.0.0").unlink()
@@ -197,7 +190,7 @@ def test_damage_is_repaired_within_a_run(here):
     assert again["arrays"] == first["arrays"]
 
 
-def test_no_run_to_resume(here):
+def test_no_run_to_resume(study_folder):
     for command in ("status", "resume"):
         result = invoke(command, "nowhere")
         assert result.exit_code == 2
@@ -205,16 +198,16 @@ def test_no_run_to_resume(here):
 
 
 @pytest.mark.slow
-def test_ctrl_c_stops_cleanly(here):
+def test_ctrl_c_stops_cleanly(study_folder):
     changed(
-        here,
+        study_folder,
         ('soil = ["horstwalde"]', 'soil = ["horstwalde", "greby"]'),
         ("[8]", "[8, 32, 100]"),
         ("8.0", "80.0"),
     )
-    process = driver.start(here, "run", "small.toml", "--workers", 2)
+    process = driver.start(study_folder, "run", "small.toml", "--workers", 2)
     deadline = time.monotonic() + 60.0
-    while not list((here / "runs").rglob("records/transfer/*.json")) and time.monotonic() < deadline:
+    while not list((study_folder / "runs").rglob("records/transfer/*.json")) and time.monotonic() < deadline:
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)  # what a terminal does: to every process of the group
     code, errors = driver.ended(process)
@@ -222,13 +215,13 @@ def test_ctrl_c_stops_cleanly(here):
     assert "railvib resume runs/small" in errors
     assert "Traceback" not in errors
     assert driver.left_behind(process.pid) == []
-    assert records.Run.load(here / "runs" / "small")["exit_status"] == 130
+    assert records.Run.load(study_folder / "runs" / "small")["exit_status"] == 130
     assert "interrupted, exit status 130" in invoke("status", "runs/small").output
-    assert len(records.ids_of(here / "runs" / "small")) > 0
-    assert not (here / "runs" / "small" / lock.LOCK).exists()
+    assert len(records.ids_of(study_folder / "runs" / "small")) > 0
+    assert not (study_folder / "runs" / "small" / lock.LOCK).exists()
 
 
-def test_who_publishes_is_told_when_the_last_task_begins(here, monkeypatch):
+def test_who_publishes_is_told_when_the_last_task_begins(study_folder, monkeypatch):
     said = []
 
     class Publisher(contextlib.AbstractContextManager):

@@ -77,20 +77,22 @@ def logged(directory, run_id):
 def workers():
     """Return the worker processes: children of the one from which they are forked."""
     family = psutil.Process().children(recursive=True)
-    forks = {each.pid for each in family if "forkserver" in " ".join(each.cmdline())}
-    return [each for each in family if each.ppid() in forks and each.status() != psutil.STATUS_ZOMBIE]
+    forks = {process.pid for process in family if "forkserver" in " ".join(process.cmdline())}
+    return [
+        process for process in family if process.ppid() in forks and process.status() != psutil.STATUS_ZOMBIE
+    ]
 
 
 def run(directory, wanted, crew):
-    made = plan.make(wanted, records.ids_of(directory))
+    work_plan = plan.make(wanted, records.ids_of(directory))
     settled = []
     tally = scheduler.run(
-        made,
+        work_plan,
         Place(str(directory), "run-1", toy.__name__),
         crew,
         lambda task, outcome, tally: settled.append(task.key),
     )
-    assert sorted(settled) == sorted(made.tasks)
+    assert sorted(settled) == sorted(work_plan.tasks)
     return tally
 
 
@@ -122,7 +124,7 @@ def test_six_killed_workers_lose_nothing(tmp_path):
     assert len(killed) == 6
     assert (tally.total, tally.done, tally.failed, tally.skipped) == (300, 300, 0, 0)
     assert len(os.listdir(marks)) <= 330
-    assert Counter(each["unit_id"] for each in records.commits(tmp_path / "killed")).total() == 300
+    assert Counter(record["unit_id"] for record in records.commits(tmp_path / "killed")).total() == 300
     run(tmp_path / "undisturbed", wanted, scheduler.ThisProcess())
     assert arrays(tmp_path / "killed") == arrays(tmp_path / "undisturbed")
 

@@ -25,15 +25,6 @@ __all__ = ["s3"]
 SHARED = {"transfer", "receptance", "moving_transfer", "quasi_static", "line_integrals"}
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    """Return an empty directory to work in, where railvib publishes nothing after a run."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
-    (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
-    return tmp_path
-
-
 def stages_at(home):
     """Return the stages whose results are committed at one place."""
     place = location.at(home)
@@ -45,7 +36,7 @@ def arrays(directory):
     return {record["unit_id"]: record["arrays"] for record in records.commits(directory)}
 
 
-def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, monkeypatch):
+def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(study_folder, s3, computed, monkeypatch):
     from railvib.stages import full_model, moving_roughness
 
     address = f"{s3}/studies"
@@ -53,7 +44,7 @@ def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, m
         broken.setattr(moving_roughness, "moving_roughness_spectra", lambda *_: 1 / 0)
         broken.setattr(full_model, "full_model_spectra", lambda *_: 1 / 0)
         assert invoke("run", "small.toml", "--workers", 0, "--store", address).exit_code == 1
-    out = here / "runs" / "small"
+    out = study_folder / "runs" / "small"
     assert stages_at(address) == SHARED
     assert not (out / store.STORE).exists()
     written = {key: location.at(address).read(key) for key in keys(address)}
@@ -75,7 +66,7 @@ def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(here, s3, computed, m
     xarray.testing.assert_equal(sweep.open_grid(out).compute(), sweep.open_grid(computed / "out").compute())
 
     text = STUDY.replace('"small"', '"other"').replace("german-low", "german-high")
-    (here / "other.toml").write_text(text, encoding="utf-8")
+    (study_folder / "other.toml").write_text(text, encoding="utf-8")
     planned = invoke("plan", "other.toml", "--store", address).output
     assert "tasks       2 (2 spectra)" in planned
 
@@ -109,12 +100,14 @@ def keys(address):
     ],
 )
 @pytest.mark.parametrize("command", ["run", "plan"])
-def test_a_store_that_cannot_be_used_exits_with_2_and_writes_nothing(here, s3, command, given, message):
+def test_a_store_that_cannot_be_used_exits_with_2_and_writes_nothing(
+    study_folder, s3, command, given, message
+):
     result = invoke(command, "small.toml", "--store", given)
     assert result.exit_code == 2
     assert message in result.output
     assert result.output.count("\n") == 1
-    assert os.listdir(here) == ["small.toml"]
+    assert os.listdir(study_folder) == ["small.toml"]
 
 
 @pytest.fixture(params=["folder", "bucket"])
@@ -125,10 +118,10 @@ def outside(request, tmp_path):
 
 
 def run(directory, wanted, outside):
-    made = plan.make(wanted, records.ids_at(directory) | records.ids_at(outside))
+    work_plan = plan.make(wanted, records.ids_at(directory) | records.ids_at(outside))
     place = Place(str(directory), "run-1", toy.__name__, store=outside)
     task.forget()  # as another process would
-    return scheduler.run(made, place, scheduler.ThisProcess(), lambda *_: None)
+    return scheduler.run(work_plan, place, scheduler.ThisProcess(), lambda *_: None)
 
 
 def test_shared_units_go_outside_and_are_used_again(tmp_path, outside):
@@ -171,13 +164,13 @@ def test_of_two_results_that_differ_one_counts_and_neither_is_torn(tmp_path, out
                 "schema": records.SCHEMA,
                 "kind": "square",
                 "unit_id": "x",
-                "group": each.group,
-                "arrays": each.arrays,
+                "group": stored.group,
+                "arrays": stored.arrays,
                 "inputs": {},
                 "costs": [],
             },
         )
-        for each in reversed(written)
+        for stored in reversed(written)
     ]
     assert won == [True, False]
     record = records.find(outside, "square", "x")
@@ -186,9 +179,9 @@ def test_of_two_results_that_differ_one_counts_and_neither_is_torn(tmp_path, out
 
 
 @pytest.mark.slow
-def test_two_drivers_at_once_share_a_store(here, computed, outside):
+def test_two_drivers_at_once_share_a_store(study_folder, computed, outside):
     other = STUDY.replace('"small"', '"other"').replace("german-low", "german-high")
-    (here / "other.toml").write_text(other, encoding="utf-8")
+    (study_folder / "other.toml").write_text(other, encoding="utf-8")
     code = "from railvib.cli import main; main()"
     drivers = [
         subprocess.Popen(
@@ -201,10 +194,12 @@ def test_two_drivers_at_once_share_a_store(here, computed, outside):
     ]
     said = [driver.communicate(timeout=300)[1] for driver in drivers]
     assert [driver.returncode for driver in drivers] == [0, 0], said
-    small, other = here / "runs" / "small", here / "runs" / "other"
+    small, other = study_folder / "runs" / "small", study_folder / "runs" / "other"
     manifests = [records.Run.load(directory) for directory in (small, other)]
-    assert max(each["started"] for each in manifests) < min(each["finished"] for each in manifests)
-    assert [each["store"] for each in manifests] == [outside, outside]
+    assert max(manifest["started"] for manifest in manifests) < min(
+        manifest["finished"] for manifest in manifests
+    )
+    assert [manifest["store"] for manifest in manifests] == [outside, outside]
     assert arrays(small) == arrays(computed / "out")
     both = {**arrays(small), **arrays(other)}
     assert len(both) == len(arrays(small)) + 2  # but for the other study's spectra all is shared
@@ -213,7 +208,7 @@ def test_two_drivers_at_once_share_a_store(here, computed, outside):
         for record in records.commits(directory):
             store.check(directory, record)
     by_run = {record["run_id"] for record in records.commits(small) if record["kind"] in SHARED}
-    assert by_run <= {each["run_id"] for each in manifests}
+    assert by_run <= {manifest["run_id"] for manifest in manifests}
     groups = [record["group"] for record in records.commits(small) if record["kind"] in SHARED]
     there = sum(len(location.at(outside).names(f"{store.STORE}/{stage}")) for stage in SHARED)
     # The same bytes whoever computed them: at most one group each, beside the zarr.json of its stage.

@@ -11,10 +11,10 @@ def positions(made):
 
 def test_everything_is_missing_at_first():
     wanted = [toy.total(1, 2), toy.total(2, 3)]
-    made = plan.make(wanted, set())
-    assert made.missing == made.units.keys()
-    assert len(made.units) == 5
-    assert sorted(len(task.units) for task in made.tasks.values()) == [
+    work_plan = plan.make(wanted, set())
+    assert work_plan.missing == work_plan.units.keys()
+    assert len(work_plan.units) == 5
+    assert sorted(len(task.units) for task in work_plan.tasks.values()) == [
         1,
         1,
         1,
@@ -23,24 +23,24 @@ def test_everything_is_missing_at_first():
 
 
 def test_a_task_stands_after_those_it_needs():
-    made = plan.make([toy.total(*range(start, start + 5)) for start in range(7)], set())
+    work_plan = plan.make([toy.total(*range(start, start + 5)) for start in range(7)], set())
     seen = set()
-    for task in made.tasks.values():
+    for task in work_plan.tasks.values():
         assert task.after <= seen
         seen.add(task.key)
-    assert seen == made.tasks.keys()
+    assert seen == work_plan.tasks.keys()
 
 
 def test_what_is_there_is_not_planned():
     wanted = toy.total(1, 2, 3)
-    made = plan.make([wanted], {toy.square(2).id})
-    assert made.missing == {wanted.id, toy.square(1).id, toy.square(3).id}
+    work_plan = plan.make([wanted], {toy.square(2).id})
+    assert work_plan.missing == {wanted.id, toy.square(1).id, toy.square(3).id}
 
 
 def test_what_only_a_finished_unit_needs_is_not_planned():
     done, missing = toy.total(1, 2), toy.total(2, 3)
-    made = plan.make([done, missing], {done.id})
-    assert made.missing == {missing.id, toy.square(2).id, toy.square(3).id}
+    work_plan = plan.make([done, missing], {done.id})
+    assert work_plan.missing == {missing.id, toy.square(2).id, toy.square(3).id}
 
 
 def test_nothing_is_planned_when_all_is_there():
@@ -50,9 +50,9 @@ def test_nothing_is_planned_when_all_is_there():
 
 def test_the_closure_names_all_that_a_unit_rests_on():
     wanted = toy.total(1, 2)
-    made = plan.make([wanted], {wanted.id})
-    assert set(made.closure[wanted.id]) == {wanted.id, toy.square(1).id, toy.square(2).id}
-    assert made.closure[wanted.id][-1] == wanted.id
+    work_plan = plan.make([wanted], {wanted.id})
+    assert set(work_plan.closure[wanted.id]) == {wanted.id, toy.square(1).id, toy.square(2).id}
+    assert work_plan.closure[wanted.id][-1] == wanted.id
 
 
 def test_the_same_request_makes_the_same_tasks():
@@ -63,8 +63,8 @@ def test_the_same_request_makes_the_same_tasks():
 def test_keys_have_the_form_that_dask_groups_by():
     from dask.utils import key_split
 
-    made = plan.make([toy.total(1, 2), toy.total(3, 4)], set())
-    assert {key_split(key) for key in made.tasks} == {"square", "total"}
+    work_plan = plan.make([toy.total(1, 2), toy.total(3, 4)], set())
+    assert {key_split(key) for key in work_plan.tasks} == {"square", "total"}
 
 
 def test_tasks_that_wait_for_each_other_are_an_error():
@@ -85,14 +85,14 @@ def test_tasks_that_wait_for_each_other_are_an_error():
 
 def test_the_part_of_a_plan_that_rests_on_some_units():
     wanted = [toy.total(1, 2), toy.total(3, 9), toy.total(4, 5)]  # 2 and 3 are squared by one task
-    made = plan.make(wanted, set())
-    part = made.resting_on({toy.square(1).id})
+    work_plan = plan.make(wanted, set())
+    part = work_plan.resting_on({toy.square(1).id})
     assert part.missing == {wanted[0].id} | {toy.square(number).id for number in (1, 2, 3)}
     assert all(task.after <= part.tasks.keys() for task in part.tasks.values())
-    assert made.resting_on(set()).tasks == {}
+    assert work_plan.resting_on(set()).tasks == {}
 
 
 def test_a_complete_plan_has_also_what_finished_units_rest_on():
     wanted = toy.total(1, 2)
-    made = plan.make([wanted], {wanted.id, toy.square(1).id}, complete=True)
-    assert made.missing == {toy.square(2).id}
+    work_plan = plan.make([wanted], {wanted.id, toy.square(1).id}, complete=True)
+    assert work_plan.missing == {toy.square(2).id}

@@ -20,15 +20,6 @@ from tests.sweep.small import STUDY, invoke
 DASK = [sys.executable, "-m", "dask"]
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    """Return an empty directory to work in, where railvib publishes nothing after a run."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sweep.hooks.AFTER_RUN", "none")
-    (tmp_path / "small.toml").write_text(STUDY, encoding="utf-8")
-    return tmp_path
-
-
 @contextlib.contextmanager
 def started(folder, *tls, workers=2, threads=1):
     """Start `dask scheduler` and some `dask worker` as processes; return the scheduler's address."""
@@ -62,17 +53,17 @@ def assert_complete(out, workers):
     assert f"{socket.gethostname()}:{os.getpid()}" not in made
 
 
-def test_a_run_on_a_cluster_that_is_there(here):
-    with started(here) as address:
+def test_a_run_on_a_cluster_that_is_there(study_folder):
+    with started(study_folder) as address:
         result = invoke("run", "small.toml", "--scheduler", address)
         assert result.exit_code == 0, result.output
-        assert_complete(here / "runs" / "small", 2)
+        assert_complete(study_folder / "runs" / "small", 2)
         for given, message in [
             (address.replace("tcp", "tls"), "tls://… asks for --tls-ca and --tls-cert"),
             ("127.0.0.1", "must be tcp://HOST:PORT or tls://HOST:PORT"),
             ("tcp://127.0.0.1:9", "cannot be reached: Connection refused"),
         ]:
-            refused(here, message, "--scheduler", given)
+            refused(study_folder, message, "--scheduler", given)
 
 
 @pytest.fixture(scope="module")
@@ -90,12 +81,12 @@ def certificates(tmp_path_factory):
     return paths
 
 
-def refused(here, message, *options):
+def refused(study_folder, message, *options):
     result = invoke("run", "small.toml", "--out", "refused", *options)
     assert result.exit_code == 2, result.output
     assert message in result.output
     assert result.output.count("\n") == 1
-    assert not (here / "refused").exists()
+    assert not (study_folder / "refused").exists()
 
 
 def say_nothing_of_ourselves(address, ca):
@@ -109,32 +100,32 @@ def say_nothing_of_ourselves(address, ca):
         encrypted.recv(1)
 
 
-def test_a_run_over_tls_and_clients_that_are_refused(here, computed, certificates):
+def test_a_run_over_tls_and_clients_that_are_refused(study_folder, computed, certificates):
     ours, ca = certificates["ours"], certificates["ours ca"]
     files = ["--tls-ca-file", str(ca), "--tls-cert", str(ours), "--tls-key", str(ours)]
-    with started(here, *files) as address:
+    with started(study_folder, *files) as address:
         assert address.startswith("tls://")
         at = ("--scheduler", address)
-        refused(here, "asks for --tls-ca and --tls-cert", *at)
-        refused(here, "asks for --tls-ca and --tls-cert", *at, "--tls-ca", ca)
+        refused(study_folder, "asks for --tls-ca and --tls-cert", *at)
+        refused(study_folder, "asks for --tls-ca and --tls-cert", *at, "--tls-ca", ca)
         with pytest.raises(ssl.SSLError, match="certificate required"):
             say_nothing_of_ourselves(address, ca)
         trusted = (*at, "--tls-ca", ca, "--tls-cert")
-        refused(here, "it refuses our certificate", *trusted, certificates["theirs"])
-        refused(here, "--tls-cert = 'none.pem': cannot be read", *trusted, "none.pem")
+        refused(study_folder, "it refuses our certificate", *trusted, certificates["theirs"])
+        refused(study_folder, "--tls-cert = 'none.pem': cannot be read", *trusted, "none.pem")
         other = (*at, "--tls-ca", certificates["theirs ca"], "--tls-cert", ours)
-        refused(here, "its certificate is not signed by --tls-ca", *other)
-        refused(here, "does it listen at tls://…?", "--scheduler", address.replace("tls", "tcp"))
+        refused(study_folder, "its certificate is not signed by --tls-ca", *other)
+        refused(study_folder, "does it listen at tls://…?", "--scheduler", address.replace("tls", "tcp"))
         # Another unevenness: only the spectra are left to compute.
-        (here / "small.toml").write_text(STUDY.replace("german-low", "german-high"), encoding="utf-8")
+        (study_folder / "small.toml").write_text(STUDY.replace("german-low", "german-high"), encoding="utf-8")
         result = invoke("run", "small.toml", *trusted, ours, "--store", computed / "out")
         assert result.exit_code == 0, result.output
-        assert_complete(here / "runs" / "small", 2)
+        assert_complete(study_folder / "runs" / "small", 2)
 
 
-def test_workers_that_cannot_compute_for_us_are_refused(here):
-    with started(here, workers=1, threads=2) as address:
-        refused(here, "has 2 threads; must be started with --nthreads 1", "--scheduler", address)
+def test_workers_that_cannot_compute_for_us_are_refused(study_folder):
+    with started(study_folder, workers=1, threads=2) as address:
+        refused(study_folder, "has 2 threads; must be started with --nthreads 1", "--scheduler", address)
 
 
 @pytest.mark.parametrize(
@@ -148,17 +139,17 @@ def test_workers_that_cannot_compute_for_us_are_refused(here):
         (("--dashboard", "--scheduler", "tcp://127.0.0.1:1"), "--dashboard: a scheduler that is running"),
     ],
 )
-def test_options_that_exclude_each_other(here, options, message):
-    refused(here, message, *options)
+def test_options_that_exclude_each_other(study_folder, options, message):
+    refused(study_folder, message, *options)
 
 
-def slow_run(here, address, *options):
+def slow_run(study_folder, address, *options):
     """Start a run of many tasks in a process of its own, and return it when its first task has settled."""
     study = STUDY.replace("[30]", "{ start = 20, stop = 200, number = 400 }")
-    (here / "small.toml").write_text(study, encoding="utf-8")
+    (study_folder / "small.toml").write_text(study, encoding="utf-8")
     command = [sys.executable, "-m", "railvib", "run", "small.toml", "--scheduler", address, *options]
-    process = subprocess.Popen(command, cwd=here, stderr=subprocess.PIPE, text=True)
-    log = here / "runs" / "small" / "log.jsonl"
+    process = subprocess.Popen(command, cwd=study_folder, stderr=subprocess.PIPE, text=True)
+    log = study_folder / "runs" / "small" / "log.jsonl"
     deadline = time.monotonic() + 120.0
     while time.monotonic() < deadline and process.poll() is None:
         if log.exists() and '"done"' in log.read_text():
@@ -177,9 +168,9 @@ def ended(process):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_a_scheduler_that_is_lost_ends_the_run_in_one_line(here, number):
-    with started(here) as address:
-        process = slow_run(here, address)
+def test_a_scheduler_that_is_lost_ends_the_run_in_one_line(study_folder, number):
+    with started(study_folder) as address:
+        process = slow_run(study_folder, address)
         os.kill(scheduler_process(address), number)
         assert ended(process) == (
             "the scheduler does not answer any more; what is done is kept; "
@@ -188,12 +179,12 @@ def test_a_scheduler_that_is_lost_ends_the_run_in_one_line(here, number):
 
 
 @pytest.mark.slow
-def test_a_run_whose_workers_are_all_gone_ends(here):
-    with started(here) as address:
-        process = slow_run(here, address, "--wait", "0.1")
+def test_a_run_whose_workers_are_all_gone_ends(study_folder):
+    with started(study_folder) as address:
+        process = slow_run(study_folder, address, "--wait", "0.1")
         for worker in psutil.process_iter():
             with contextlib.suppress(psutil.Error):
-                if worker.cwd() == str(here) and "worker" in worker.cmdline():
+                if worker.cwd() == str(study_folder) and "worker" in worker.cmdline():
                     worker.kill()
         last = ended(process)
         assert last.startswith(f"workers at {address}: none for ")

@@ -13,8 +13,8 @@ def units(manifest, scope):
     return {
         unit["unit_id"]
         for case in manifest["cases"]
-        for each in case["units"].values()
-        for unit in each
+        for item in case["units"].values()
+        for unit in item
         if unit["scope"] == scope
     }
 
@@ -39,7 +39,9 @@ def test_two_drivers_share_a_store(tmp_path, computed, monkeypatch):
     assert max(began) < min(ended)  # they did run at once
     ground = [units(manifest, "ground") for manifest in manifests]
     assert ground[0] == ground[1] <= records.ids_at(shared)
-    assert {each["run_id"] for each in records.commits(shared)} == {each["run_id"] for each in manifests}
+    assert {record["run_id"] for record in records.commits(shared)} == {
+        manifest["run_id"] for manifest in manifests
+    }
     for name in ("one", "other"):
         status = invoke("status", "--verify", tmp_path / "runs" / name)
         assert status.exit_code == 0, status.output

@@ -44,7 +44,7 @@ def slurm(tmp_path_factory):
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
+def study_folder(tmp_path, monkeypatch):
     """Return a directory to work in with a study and a cluster file."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.toml").write_text(LONGER, encoding="utf-8")
@@ -73,10 +73,10 @@ def assert_complete(out):
     return made
 
 
-def test_the_driver_is_a_job_and_starts_jobs_of_which_one_is_cancelled(slurm, here):
-    (here / ".venv" / "bin").mkdir(parents=True)
-    (here / ".venv" / "bin" / "railvib").symlink_to(ROOT / ".venv" / "bin" / "railvib")
-    out = here / "runs" / "small"
+def test_the_driver_is_a_job_and_starts_jobs_of_which_one_is_cancelled(slurm, study_folder):
+    (study_folder / ".venv" / "bin").mkdir(parents=True)
+    (study_folder / ".venv" / "bin" / "railvib").symlink_to(ROOT / ".venv" / "bin" / "railvib")
+    out = study_folder / "runs" / "small"
     driver = ["sbatch", "--wait", "--mem=1G", ROOT / "scripts" / "slurm-driver", "small.toml"]
     with subprocess.Popen([*driver, "--cluster", "cluster.toml"], stdout=subprocess.DEVNULL) as waiting:
         await_(lambda: len(workers()) == 2 and (out / "records" / "transfer").exists())
@@ -84,7 +84,7 @@ def test_the_driver_is_a_job_and_starts_jobs_of_which_one_is_cancelled(slurm, he
         subprocess.run(["scancel", first], check=True)
         assert records.Run.load(out)["finished"] is None  # it was in the middle
         waiting.wait(timeout=300)
-    (log,) = here.glob("railvib-driver-*.log")
+    (log,) = study_folder.glob("railvib-driver-*.log")
     assert waiting.returncode == 0, log.read_text()
     assert len(assert_complete(out)) >= 2
     await_(lambda: not workers())
@@ -93,19 +93,19 @@ def test_the_driver_is_a_job_and_starts_jobs_of_which_one_is_cancelled(slurm, he
     assert not any(name.endswith(".pem") for name in left)
 
 
-def test_the_ranks_of_one_allocation_are_scheduler_driver_and_workers(slurm, here):
+def test_the_ranks_of_one_allocation_are_scheduler_driver_and_workers(slurm, study_folder):
     script = ROOT / "scripts" / "slurm-allocation"
-    (here / "small.toml").write_text(STUDY, encoding="utf-8")
+    (study_folder / "small.toml").write_text(STUDY, encoding="utf-8")
     command = ["srun", "--ntasks=4", "--kill-on-bad-exit=1", script, "small.toml", "--out", "out"]
     run = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert run.returncode == 0, run.stderr
-    assert 1 <= len(assert_complete(here / "out")) <= 2
-    assert {path.name for path in here.iterdir()} == {"cluster.toml", "out", "small.toml"}
+    assert 1 <= len(assert_complete(study_folder / "out")) <= 2
+    assert {path.name for path in study_folder.iterdir()} == {"cluster.toml", "out", "small.toml"}
 
 
-def test_a_refused_study_ends_all_ranks_with_one_line(slurm, here):
+def test_a_refused_study_ends_all_ranks_with_one_line(slurm, study_folder):
     script = ROOT / "scripts" / "slurm-allocation"
-    (here / "small.toml").write_text(STUDY.replace("horstwalde", "nowhere"), encoding="utf-8")
+    (study_folder / "small.toml").write_text(STUDY.replace("horstwalde", "nowhere"), encoding="utf-8")
     run = subprocess.run(
         ["srun", "--ntasks=4", script, "small.toml"], capture_output=True, text=True, timeout=60, check=False
     )
@@ -113,32 +113,32 @@ def test_a_refused_study_ends_all_ranks_with_one_line(slurm, here):
     told, srun = run.stderr.splitlines()
     assert told.startswith("Error: sweep.soil = 'nowhere': is unknown")
     assert "task 1: Exited with exit code 2" in srun
-    assert {path.name for path in here.iterdir()} == {"cluster.toml", "small.toml"}
+    assert {path.name for path in study_folder.iterdir()} == {"cluster.toml", "small.toml"}
 
 
-def test_a_cancelled_allocation_leaves_no_certificate(slurm, here):
+def test_a_cancelled_allocation_leaves_no_certificate(slurm, study_folder):
     script = ROOT / "scripts" / "slurm-allocation"
     srun = f"srun --kill-on-bad-exit=1 {script} small.toml --out out"
     subprocess.run(["sbatch", "--ntasks=4", "--output=log", "--wrap", srun], check=True)
-    await_(lambda: (here / "out" / "records" / "transfer").exists())
-    assert [path.name for path in here.glob(".railvib-*/*.pem")]
+    await_(lambda: (study_folder / "out" / "records" / "transfer").exists())
+    assert [path.name for path in study_folder.glob(".railvib-*/*.pem")]
     subprocess.run(["scancel", "--user", "root"], check=True)
-    await_(lambda: not list(here.glob(".railvib-*")))
-    await_(lambda: "continue with: railvib resume out" in (here / "log").read_text())
+    await_(lambda: not list(study_folder.glob(".railvib-*")))
+    await_(lambda: "continue with: railvib resume out" in (study_folder / "log").read_text())
 
 
-def test_too_few_ranks_are_refused(slurm, here):
+def test_too_few_ranks_are_refused(slurm, study_folder):
     script = ROOT / "scripts" / "slurm-allocation"
     run = subprocess.run(
         ["srun", "--ntasks=2", script, "small.toml"], capture_output=True, text=True, timeout=60, check=False
     )
     assert run.returncode == 2
     assert "--ntasks = 2: must be at least 3: scheduler, driver and a worker" in run.stderr
-    assert not (here / "runs").exists()
+    assert not (study_folder / "runs").exists()
 
 
-def test_a_job_that_slurm_refuses_is_told(slurm, here):
-    (here / "cluster.toml").write_text(CLUSTER.format(root=ROOT) + 'queue = "nope"', encoding="utf-8")
+def test_a_job_that_slurm_refuses_is_told(slurm, study_folder):
+    (study_folder / "cluster.toml").write_text(CLUSTER.format(root=ROOT) + 'queue = "nope"', encoding="utf-8")
     result = invoke("run", "small.toml", "--cluster", "cluster.toml")
     assert result.exit_code == 2
     assert "a job is refused: sbatch: error: invalid partition specified: nope" in result.output

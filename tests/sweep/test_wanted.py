@@ -185,5 +185,5 @@ def test_a_train_faster_than_the_waves_is_told():
     *waves, unevenness = cautions.cautions(study.resolve(data))
     assert "extrapolated" in unevenness
     assert waves
-    for each in waves:
-        assert re.match("greby, ballasted-paper: .*600 km/h.*exceeds", each)
+    for wave in waves:
+        assert re.match("greby, ballasted-paper: .*600 km/h.*exceeds", wave)

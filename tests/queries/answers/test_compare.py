@@ -272,7 +272,7 @@ def test_receivers_that_stand_apart_are_all_shown(unlike):
 
 
 def test_without_the_ground_the_rail_stands_for_a_case(tmp_path):
-    receivers = [each for each in RECEIVERS if each[0] != "ground"]
+    receivers = [receiver for receiver in RECEIVERS if receiver[0] != "ground"]
     directory = Study(tmp_path / "run", receivers).write(lines=10)
     assert ": rail velocity, dynamic" in shown(directory, "--by", "band").output
 

@@ -16,8 +16,8 @@ def exported(study, tmp_path):
     soil = "x'; DROP TABLE cases; --/.."
     directory = study.write(soils=(soil,), lines=10)
     folder = tmp_path / "it's exported"
-    done = CliRunner().invoke(cli.export, [str(directory), str(folder)])
-    assert done.exit_code == 0, done.output
+    result = CliRunner().invoke(cli.export, [str(directory), str(folder)])
+    assert result.exit_code == 0, result.output
     return directory, folder
 
 
@@ -51,7 +51,7 @@ def test_every_column_is_explained(exported):
 def test_a_folder_that_holds_something_is_left_alone(study, tmp_path):
     ingest(study.write(lines=10))
     (tmp_path / "mine").touch()
-    done = CliRunner().invoke(cli.export, [str(study.directory), str(tmp_path)])
-    assert done.exit_code == 2
-    assert "is there already" in done.stderr
+    result = CliRunner().invoke(cli.export, [str(study.directory), str(tmp_path)])
+    assert result.exit_code == 2
+    assert "is there already" in result.stderr
     assert (tmp_path / "mine").exists()

@@ -33,9 +33,9 @@ SILENT = {"quasi-static-share", "wheel-share", "error-of-passages", "passages-th
 
 
 def ask(name, directory, *arguments):
-    done = CliRunner().invoke(cli.queries, [name, str(directory), "--format", "csv", *arguments])
-    assert done.exit_code == 0, done.output
-    return list(csv.DictReader(io.StringIO(done.output)))
+    result = CliRunner().invoke(cli.queries, [name, str(directory), "--format", "csv", *arguments])
+    assert result.exit_code == 0, result.output
+    return list(csv.DictReader(io.StringIO(result.output)))
 
 
 def test_each_shipped_question_has_a_sentence_and_is_listed():
@@ -210,9 +210,9 @@ def test_own_questions_stand_beside_the_shipped_ones(paper, tmp_path):
 )
 def test_an_own_question_that_is_wrong_is_refused_in_one_line(paper, tmp_path, text, said):
     (tmp_path / "mine.sql").write_text(text)
-    done = CliRunner().invoke(cli.queries, ["mine", str(paper), "--folder", str(tmp_path)])
-    assert done.exit_code == 2
-    assert said in done.stderr
+    result = CliRunner().invoke(cli.queries, ["mine", str(paper), "--folder", str(tmp_path)])
+    assert result.exit_code == 2
+    assert said in result.stderr
 
 
 @pytest.mark.parametrize(
@@ -226,9 +226,11 @@ def test_an_own_question_that_is_wrong_is_refused_in_one_line(paper, tmp_path, t
     ],
 )
 def test_a_wrong_request_is_refused_in_one_line(paper, arguments, said):
-    done = CliRunner().invoke(cli.queries, [str(paper) if each == "RUN" else each for each in arguments])
-    assert done.exit_code == 2
-    assert said in done.stderr
+    result = CliRunner().invoke(
+        cli.queries, [str(paper) if argument == "RUN" else argument for argument in arguments]
+    )
+    assert result.exit_code == 2
+    assert said in result.stderr
 
 
 def test_a_value_is_data(paper):

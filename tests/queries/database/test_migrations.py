@@ -88,10 +88,10 @@ def test_ingest_keeps_a_copy_of_an_earlier_file_and_brings_it_up_to_date(study):
     ingest(directory)
     expected = rows(directory)
     before = earlier(directory / DATABASE).read_bytes()
-    done = CliRunner().invoke(cli.sql, [str(directory), "FROM cases"])
-    assert done.exit_code == 2
-    assert "form 1 of 4" in done.stderr
-    assert "railvib ingest" in done.stderr
+    result = CliRunner().invoke(cli.sql, [str(directory), "FROM cases"])
+    assert result.exit_code == 2
+    assert "form 1 of 4" in result.stderr
+    assert "railvib ingest" in result.stderr
     ingested = ingest(directory)
     assert ingested.backup == directory / "results.form-1.duckdb"
     assert ingested.backup.read_bytes() == before

@@ -20,8 +20,8 @@ def run(tmp_path_factory):
     directory = tmp_path_factory.mktemp("levels")
     (directory / "small.toml").write_text(STUDY + LEVELS)
     out = directory / "out"
-    done = invoke("run", directory / "small.toml", "--out", out, "--workers", 1)
-    assert done.exit_code == 0, done.output
+    result = invoke("run", directory / "small.toml", "--out", out, "--workers", 1)
+    assert result.exit_code == 0, result.output
     return out
 
 

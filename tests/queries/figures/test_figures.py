@@ -154,7 +154,7 @@ def test_the_narrow_band_figure_shows_the_lines_of_the_database(study):
     directory = study.write()
     ingest(directory)
     with connect(directory) as connection:
-        (drawing,) = [each for each in catalogue.drawings(connection) if "narrow-band" in each.name]
+        (drawing,) = [drawing for drawing in catalogue.drawings(connection) if "narrow-band" in drawing.name]
         figure = drawing.draw()
     reference, approach, *_ = figure.axes[0].lines
     assert reference.get_xdata().size == approach.get_xdata().size > 100
@@ -174,9 +174,9 @@ def test_without_lines_in_the_database_there_is_no_narrow_band_figure(study):
 @pytest.mark.parametrize(("kind", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
 def test_figures_come_in_forms_for_print(study, kind, start):
     directory = study.write(lost=("moving-roughness", "moving-roughness-uncorrelated", "full"))
-    done = CliRunner().invoke(cli.figures, [str(directory), "--format", kind])
-    assert done.exit_code == 0, done.output
-    published = [Path(line) for line in done.output.splitlines()]
+    result = CliRunner().invoke(cli.figures, [str(directory), "--format", kind])
+    assert result.exit_code == 0, result.output
+    published = [Path(line) for line in result.output.splitlines()]
     assert [path.name for path in published] == [f"{name}.{kind}" for name in PAPER[:3]]
     assert all(path.read_bytes().startswith(start) for path in published)
 
@@ -230,7 +230,7 @@ def test_the_cost_figure_has_a_point_per_case_and_approach(results):
 
 
 def test_multiples_of_the_passing_frequency_are_marked(results):
-    (drawing,) = [each for each in catalogue.drawings(results) if "narrow-band" in each.name]
+    (drawing,) = [drawing for drawing in catalogue.drawings(results) if "narrow-band" in drawing.name]
     marked = [line.get_xdata()[0] for line in drawing.draw().axes[0].lines if line.get_color() == "#b9a7c9"]
     np.testing.assert_allclose(marked, np.arange(1, 9) * 150 / 3.6 / 26.6)
 

@@ -23,7 +23,7 @@ def four_soils(tmp_path_factory):
 
 
 def named(connection, topic):
-    return next(each for each in catalogue.drawings(connection, every=True) if topic in each.name)
+    return next(drawing for drawing in catalogue.drawings(connection, every=True) if topic in drawing.name)
 
 
 def test_every_distance_is_drawn(four_soils):

@@ -39,7 +39,7 @@ def waiting():
 
 def alive(family):
     _, left = psutil.wait_procs(family, timeout=30)
-    return [each for each in left if each.status() != psutil.STATUS_ZOMBIE]
+    return [process for process in left if process.status() != psutil.STATUS_ZOMBIE]
 
 
 @pytest.mark.slow

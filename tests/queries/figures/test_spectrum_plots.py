@@ -22,7 +22,7 @@ def mixed(study):
 
 
 def narrow_band(connection):
-    return next(each for each in catalogue.drawings(connection) if "narrow-band" in each.name)
+    return next(drawing for drawing in catalogue.drawings(connection) if "narrow-band" in drawing.name)
 
 
 def test_each_length_of_vehicles_has_its_multiples(mixed):

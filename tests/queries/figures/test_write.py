@@ -12,7 +12,7 @@ from queries.figures.write import write
 
 @pytest.fixture
 def drawing(results):
-    drawing = next(each for each in catalogue.drawings(results) if "ground" in each.name)
+    drawing = next(drawing for drawing in catalogue.drawings(results) if "ground" in drawing.name)
     return drawing.leaving_out("Half of it.")
 
 

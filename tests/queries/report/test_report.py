@@ -58,15 +58,15 @@ class Page(html.parser.HTMLParser):
         data = self.data
         sizes = [len(data[name]) for name in ("cases", "approaches", "contributions", "receivers", "bands")]
         packed = np.frombuffer(base64.b64decode(data["levels"]), dtype="<i2").reshape(sizes)
-        names = [each["name"] for each in data["approaches"]]
-        receivers = [each["label"] for each in data["receivers"]]
+        names = [approach["name"] for approach in data["approaches"]]
+        receivers = [receiver["label"] for receiver in data["receivers"]]
         return packed[case, names.index(approach), 0, receivers.index(receiver), band] / 100
 
 
 def made(directory):
-    done = CliRunner().invoke(cli.report, [str(directory)])
-    assert done.exit_code == 0, done.output
-    assert done.output.strip() == str(directory / "report.html")
+    result = CliRunner().invoke(cli.report, [str(directory)])
+    assert result.exit_code == 0, result.output
+    assert result.output.strip() == str(directory / "report.html")
     return (directory / "report.html").read_text(encoding="utf-8")
 
 
@@ -225,10 +225,10 @@ def test_publishing_that_is_given_notice_leaves_the_same_and_no_process(study, m
 @pytest.mark.parametrize("command", [cli.ingest, cli.compare, cli.report])
 def test_a_directory_that_is_no_run_is_refused_in_one_line(command, tmp_path):
     for directory in (tmp_path, tmp_path / "nowhere"):
-        done = CliRunner().invoke(command, [str(directory)])
-        assert done.exit_code == 2
-        assert done.stdout == ""
-        assert len(done.stderr.strip().splitlines()) == 1
+        result = CliRunner().invoke(command, [str(directory)])
+        assert result.exit_code == 2
+        assert result.stdout == ""
+        assert len(result.stderr.strip().splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
 
 
@@ -280,8 +280,8 @@ def test_thinned_lines_keep_the_extremes_and_it_is_said(study, monkeypatch, shar
     packed = np.frombuffer(base64.b64decode(spectra["levels"]), dtype="<i2").reshape(
         len(spectra["places"]), -1
     )
-    rail = [each["label"] for each in page.data["receivers"]].index("rail")
-    full = [each["name"] for each in page.data["approaches"]].index("full")
+    rail = [receiver["label"] for receiver in page.data["receivers"]].index("rail")
+    full = [approach["name"] for approach in page.data["approaches"]].index("full")
     places = list(zip(spectra["places"], spectra["receivers"], strict=True))
     own = packed[places.index((full * 3, rail))]
     own = own[own > -32768] / 100

@@ -282,7 +282,7 @@ def test_no_text_has_less_contrast_than_4_5(page):
     found = page.evaluate(CONTRAST)
     assert len(found) > 300
     assert any(text == "::after" for _, text in found)
-    assert [each for each in found if each[0] < 4.5] == []
+    assert [item for item in found if item[0] < 4.5] == []
 
 
 def test_a_narrow_screen_has_no_sideways_scrolling(page):

@@ -133,7 +133,7 @@ def test_a_worker_without_work_has_its_kernels_whoever_forks_it():
 
 def test_rates_are_found_from_samples():
     amounts = [{"units": 1.0, "lines": 10.0 * count} for count in (1, 3, 9)]
-    samples = [pilot._Sample(Work("another", each), 0.5 + 0.02 * each["lines"], {}) for each in amounts]
+    samples = [pilot._Sample(Work("another", amount), 0.5 + 0.02 * amount["lines"], {}) for amount in amounts]
     found = pilot._rates(samples)
     assert found == pytest.approx({"units": 0.5, "lines": 0.02})
 

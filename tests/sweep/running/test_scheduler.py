@@ -17,10 +17,10 @@ from tests.sweep import toy
 
 
 def run(directory, wanted, crew, attempt=1):
-    made = plan.make(wanted, records.ids_of(directory))
+    work_plan = plan.make(wanted, records.ids_of(directory))
     place = Place(str(directory), "run-1", toy.__name__, attempt)
     task.forget()  # as another process would
-    return scheduler.run(made, place, crew, lambda *_: None)
+    return scheduler.run(work_plan, place, crew, lambda *_: None)
 
 
 def value(directory, unit):
@@ -143,13 +143,13 @@ def test_what_is_remembered_of_a_damaged_result_is_withdrawn_with_it(tmp_path, r
 def test_what_is_released_goes_first(tmp_path):
     """Results are used while those who made them hold them, and cases are done one after the other."""
     order = []
-    made = plan.make([toy.total(2 * n, 2 * n + 1) for n in range(40)], set())
+    work_plan = plan.make([toy.total(2 * n, 2 * n + 1) for n in range(40)], set())
     place = Place(str(tmp_path), "run-1", toy.__name__)
 
     def report(task, *_):
         order.append(task.units[0].stage_name)
 
-    scheduler.run(made, place, scheduler.ThisProcess(), report)
+    scheduler.run(work_plan, place, scheduler.ThisProcess(), report)
     assert order.count("total") == 40
     assert "total" in order[: 2 * scheduler.WINDOW_PER_WORKER]
 
@@ -171,10 +171,10 @@ def test_more_is_added_to_what_is_there(tmp_path, marks):
 
 def test_a_task_that_finds_its_record_computes_nothing(tmp_path, marks):
     wanted = [toy.square(1, marks=marks)]
-    made = plan.make(wanted, set())
+    work_plan = plan.make(wanted, set())
     place = Place(str(tmp_path), "run-1", toy.__name__)
     for _ in range(2):
-        scheduler.run(made, place, scheduler.ThisProcess(), lambda *_: None)
+        scheduler.run(work_plan, place, scheduler.ThisProcess(), lambda *_: None)
     assert starts(marks) == {"1.0": 1}
 
 

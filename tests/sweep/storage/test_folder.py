@@ -57,7 +57,7 @@ def test_what_is_no_file_is_not_read_and_can_be_replaced(tmp_path, place, outsid
         assert place.read(key) == b"first"
     kept = list(tmp_path.rglob("kept"))
     assert len(kept) == 1 + (kind == "full folder")
-    assert {each.read_bytes() for each in kept} == {b"kept"}
+    assert {path.read_bytes() for path in kept} == {b"kept"}
 
 
 @pytest.mark.parametrize("kind", KINDS[:-1])
@@ -113,4 +113,4 @@ def test_a_group_takes_the_place_of_what_lies_there(tmp_path, place, outside, ki
     put(kind, tmp_path / "place" / "zarr" / "group", outside)
     place.put("zarr/group", {"zarr.json": b"{}"})
     assert place.read_group("zarr/group") == {"zarr.json": b"{}"}
-    assert [each.name for each in outside.iterdir()] == ["kept"]
+    assert [path.name for path in outside.iterdir()] == ["kept"]

@@ -65,8 +65,8 @@ def test_without_a_full_model_nothing_moves(tmp_path, monkeypatch):
     text = STUDY.replace('["moving-roughness", "full"]', '["moving-roughness"]')
     text = text.replace('reference = "full"', 'reference = "moving-roughness"')
     (tmp_path / "standing.toml").write_text(text, encoding="utf-8")
-    done = invoke("run", tmp_path / "standing.toml", "--out", tmp_path / "out", "--workers", 0)
-    assert done.exit_code == 0, done.output
+    result = invoke("run", tmp_path / "standing.toml", "--out", tmp_path / "out", "--workers", 0)
+    assert result.exit_code == 0, result.output
     grid = sweep.open_grid(tmp_path / "out")
     assert "transfer" in grid
     assert "rail_moving" not in grid

@@ -44,12 +44,12 @@ def test_one_of_many_processes_is_first(tmp_path):
 
 
 def test_many_are_written_where_there_are_none_that_can_be_read(tmp_path):
-    records.commit_many(tmp_path, [record(each, worker="first") for each in "ab"])
+    records.commit_many(tmp_path, [record(name, worker="first") for name in "ab"])
     path = tmp_path / "records" / "square" / "b.json"
     path.write_text(path.read_text().replace("first", "other"))
-    made = [record(each, worker="second") for each in "abc"]
+    made = [record(name, worker="second") for name in "abc"]
     assert records.commit_many(tmp_path, made) == [False, True, True]
-    assert [each["worker"] for each in records.commits(tmp_path)] == ["first", "second", "second"]
+    assert [record["worker"] for record in records.commits(tmp_path)] == ["first", "second", "second"]
 
 
 def test_nothing_is_left_aside(tmp_path):
@@ -61,8 +61,8 @@ def test_nothing_is_left_aside(tmp_path):
 def test_records_are_read_by_stage(tmp_path):
     for stage, unit_id in [("total", "c"), ("square", "b"), ("square", "a")]:
         records.commit(tmp_path, record(unit_id, kind=stage))
-    assert [each["unit_id"] for each in records.commits(tmp_path)] == ["a", "b", "c"]
-    assert [each["unit_id"] for each in records.commits(tmp_path, "square")] == ["a", "b"]
+    assert [record["unit_id"] for record in records.commits(tmp_path)] == ["a", "b", "c"]
+    assert [record["unit_id"] for record in records.commits(tmp_path, "square")] == ["a", "b"]
     assert records.ids_of(tmp_path) == {"a", "b", "c"}
 
 
@@ -76,7 +76,7 @@ def test_an_empty_directory_has_none(tmp_path):
 
 def test_a_success_withdraws_the_failure(tmp_path):
     records.fail(tmp_path, record("a", status="failed", traceback="…"))
-    assert [each["unit_id"] for each in records.failures(tmp_path)] == ["a"]
+    assert [record["unit_id"] for record in records.failures(tmp_path)] == ["a"]
     records.commit(tmp_path, record("a"))
     assert list(records.failures(tmp_path)) == []
 
@@ -129,7 +129,7 @@ def test_the_latest_manifest_and_all_of_them(tmp_path):
         Run.publish(tmp_path, manifest(run_id, started, exit_status=None))
     Run.publish(tmp_path, manifest("x", "2026-01-02"))
     assert Run.load(tmp_path) == manifest("x", "2026-01-02")
-    assert [each["run_id"] for each in records.runs(tmp_path)] == ["y", "x"]
+    assert [manifest["run_id"] for manifest in records.runs(tmp_path)] == ["y", "x"]
 
 
 def test_a_record_holds_no_nan(tmp_path):

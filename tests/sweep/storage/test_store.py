@@ -97,9 +97,11 @@ def read(home, written):
 
 
 def assert_equal(one, other):
-    for each in dataclasses.fields(one):
-        np.testing.assert_equal(getattr(one, each.name), getattr(other, each.name))
-        assert type(getattr(one, each.name)) is type(getattr(other, each.name)) or each.name == "constant"
+    for member in dataclasses.fields(one):
+        np.testing.assert_equal(getattr(one, member.name), getattr(other, member.name))
+        assert (
+            type(getattr(one, member.name)) is type(getattr(other, member.name)) or member.name == "constant"
+        )
 
 
 def test_a_result_comes_back_bit_by_bit(tmp_path, spectrum):
@@ -149,8 +151,8 @@ def test_what_was_written_is_restored_as_it_is_read(tmp_path, spectrum):
     written = write(tmp_path, turned)
     held, found = group_writer.restore(written, Spectrum), read(tmp_path, written)
     assert_equal(held, found)
-    for each in dataclasses.fields(Spectrum):
-        one, other = getattr(held, each.name), getattr(found, each.name)
+    for member in dataclasses.fields(Spectrum):
+        one, other = getattr(held, member.name), getattr(found, member.name)
         if isinstance(one, np.ndarray):
             assert (one.dtype, one.strides, one.flags.writeable) == (
                 other.dtype,
@@ -247,7 +249,7 @@ def test_results_of_one_group_are_read_one_by_one(tmp_path, read_member, monkeyp
     assert written["8"].group == written["12.5"].group
     folder = tmp_path / store.STORE / written["8"].group
     assert sorted(path.name for path in folder.iterdir()) == ["edge", "frequency", "ground", "zarr.json"]
-    assert sum(each.bytes_written for each in written.values()) == sum(
+    assert sum(stored.bytes_written for stored in written.values()) == sum(
         path.stat().st_size for path in folder.rglob("*") if path.is_file()
     )
     for label, each in written.items():
@@ -308,9 +310,9 @@ def test_results_that_have_changed_places_are_damaged(tmp_path, read_member):
     (folder / "c.0.0").rename(folder / "aside")
     (folder / "c.1.0").rename(folder / "c.0.0")
     (folder / "aside").rename(folder / "c.1.0")
-    for each in written.values():
+    for stored in written.values():
         with pytest.raises(store.DamagedError, match="ground is not the one recorded"):
-            read_member(each)
+            read_member(stored)
 
 
 @pytest.mark.parametrize("path", ["zarr.json", "ground/zarr.json", "frequency/zarr.json"])
@@ -318,9 +320,9 @@ def test_altered_metadata_of_a_group_are_those_of_all_its_results(tmp_path, path
     written = stored_together(tmp_path, "8", "12.5")
     place = tmp_path / store.STORE / written["8"].group / path
     place.write_text(place.read_text().replace('"units":"m2/N"', '"units":"m3/N"').replace('"Hz"', '"kHz"'))
-    for each in written.values():
+    for stored in written.values():
         with pytest.raises(store.DamagedError, match="metadata"):
-            store.check(tmp_path, each.group_fields())
+            store.check(tmp_path, stored.group_fields())
 
 
 def test_a_record_that_names_another_result_is_damage(tmp_path, read_member):
@@ -414,10 +416,10 @@ def test_what_results_share_is_stored_once(tmp_path, monkeypatch, linking):
     first, second = (writer(f"table/{n}", table, {}) for n, table in enumerate(made))
     assert second.arrays["frequency"] == first.arrays["frequency"]
     for name in ("frequency", "edge"):
-        files = [tmp_path / store.STORE / each.group / name / "c.0" for each in (first, second)]
+        files = [tmp_path / store.STORE / stored.group / name / "c.0" for stored in (first, second)]
         assert files[0].samefile(files[1]) is linking
     other = writer("table/2", dataclasses.replace(TABLES["8"], transfer=2.0 * TABLES["8"].transfer), {})
-    folders = [tmp_path / store.STORE / each.group / "ground" for each in (first, other)]
+    folders = [tmp_path / store.STORE / stored.group / "ground" for stored in (first, other)]
     # The same is said of both, though they are not the same.
     assert os.path.samefile(*(folder / "zarr.json" for folder in folders)) is linking
     assert not os.path.samefile(*(folder / "c.0" for folder in folders))
@@ -478,7 +480,7 @@ def test_results_that_are_read_share_one_object(tmp_path):
     writer = group_writer.Writer(tmp_path)
     rail = writer("table/rail", TABLES["rail"], {})
     ground = stored_together(tmp_path, "8", "12.5")
-    records = [each.group_fields() for each in (rail, *ground.values())]
+    records = [stored.group_fields() for stored in (rail, *ground.values())]
     one, other, third = (store.read(tmp_path, result_type=Table, **record) for record in records)
     assert one.grid is other.grid is third.grid
     assert group_writer.restore(ground["8"], Table).grid is one.grid
@@ -500,9 +502,9 @@ def test_a_damaged_group_is_replaced_beside_those_with_the_same_arrays(tmp_path)
     written = [writer(f"table/{n}", table, {}) for n, table in enumerate(made)]
     path = tmp_path / store.STORE / written[0].group / "frequency" / "c.0"
     path.write_bytes(path.read_bytes()[:-8])
-    for each in written:
+    for stored in written:
         with pytest.raises(store.DamagedError):
-            store.read(tmp_path, each.group, Table, each.arrays)
+            store.read(tmp_path, stored.group, Table, stored.arrays)
     for n, (each, table) in enumerate(zip(written, made, strict=True)):
         group_writer.write(tmp_path, f"table/{n}", table, {})
         assert_same_table(store.read(tmp_path, each.group, Table, each.arrays), table)

@@ -238,8 +238,8 @@ def test_the_number_of_workers_enters_no_id(tmp_path, monkeypatch):
 
     monkeypatch.setattr("sweep.driver.execute", execute)
     for workers in (0, 1, 3):
-        done = invoke("run", tmp_path / "small.toml", "--out", tmp_path / "out", "--workers", workers)
-        assert done.exit_code == 0, done.output
+        result = invoke("run", tmp_path / "small.toml", "--out", tmp_path / "out", "--workers", workers)
+        assert result.exit_code == 0, result.output
     assert [workers for workers, _ in planned] == [0, 1, 3]
     assert len({tuple(request.plan.units) for _, request in planned}) == 1
     assert len({tuple(request.plan.tasks) for _, request in planned}) == 1

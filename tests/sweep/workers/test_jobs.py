@@ -25,8 +25,8 @@ TASKS = 8
 
 
 def run(directory, crew, wanted):
-    made = plan.make(wanted, records.ids_at(directory))
-    return scheduler.run(made, Place(str(directory), "run-1", toy.__name__), crew, lambda *_: None)
+    work_plan = plan.make(wanted, records.ids_at(directory))
+    return scheduler.run(work_plan, Place(str(directory), "run-1", toy.__name__), crew, lambda *_: None)
 
 
 def wanted(**more):
@@ -40,8 +40,8 @@ def workers(directory):
 def listening():
     """Return the addresses at which this process and its children listen."""
     family = [psutil.Process(), *psutil.Process().children(recursive=True)]
-    found = [each for process in family for each in process.net_connections() if each.status == "LISTEN"]
-    return {each.laddr.ip for each in found}
+    found = [item for process in family for item in process.net_connections() if item.status == "LISTEN"]
+    return {item.laddr.ip for item in found}
 
 
 def test_local_workers_come_as_there_is_work_and_listen_on_loopback(tmp_path):
