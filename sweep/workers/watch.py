@@ -18,14 +18,14 @@ class Watch:
 
     Parameters
     ----------
-    what
-        What is waited for, such as ``workers at tcp://head:8786``.
+    awaited
+        Description of the missing workers, such as ``workers at tcp://head:8786``.
     patience_min
         Minutes without workers after which the run ends; None waits for ever.
     """
 
-    def __init__(self, what: str, patience_min: float | None) -> None:
-        self._what = what
+    def __init__(self, awaited: str, patience_min: float | None) -> None:
+        self._awaited = awaited
         self._patience_s = None if patience_min is None else 60.0 * patience_min
         self._alone_since: float | None = None
         self._say_after_s = SAY_S[0]
@@ -46,10 +46,10 @@ class Watch:
             self._alone_since = now
         waited_s = now - self._alone_since
         if self._patience_s is not None and waited_s >= self._patience_s:
-            raise WorkersLostError(f"{self._what}: none for {_minutes(waited_s)}, the limit set by --wait")
+            raise WorkersLostError(f"{self._awaited}: none for {_minutes(waited_s)}, the limit set by --wait")
         if waited_s >= self._say_after_s:
             limit = "" if self._patience_s is None else f"; the run ends after {_minutes(self._patience_s)}"
-            print(f"waiting for {self._what}, for {_minutes(waited_s)} so far{limit}", file=sys.stderr)
+            print(f"waiting for {self._awaited}, for {_minutes(waited_s)} so far{limit}", file=sys.stderr)
             sys.stderr.flush()
             self._say_after_s = waited_s + SAY_S[1]
 
