@@ -190,7 +190,10 @@ def _memory(task: tuple[Unit, ...]) -> int:
 
 
 def _largest_axis(request: Request, by_stage: Mapping[type[Stage], float]) -> str:
-    """Return the axis that saves most when cut to one value, with its number of values."""
+    """Return the axis that saves most when cut to one value, with its number of values.
+
+    Where every axis has one value, it is the longest train that makes the work.
+    """
     study = request.resolved.study
     values: dict[str, Any] = {
         **{name: getattr(study.sweep, name) for name in type(study.sweep).model_fields},
@@ -202,6 +205,10 @@ def _largest_axis(request: Request, by_stage: Mapping[type[Stage], float]) -> st
         return part * (1.0 - 1.0 / max(len(values[axis]), 1))
 
     axis = max(values, key=saving)
+    if saving(axis) == 0.0:
+        trains = request.resolved.objects["train"]
+        longest = max(set(study.sweep.train), key=lambda name: trains[name].axle_count)
+        return f"sweep.train = {longest!r} ({trains[longest].axle_count} axles)"
     section = "receivers" if axis == "offsets_m" else "sweep"
     return f"{section}.{axis} ({len(values[axis])} values)"
 

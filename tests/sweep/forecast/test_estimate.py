@@ -168,6 +168,9 @@ def test_a_long_train_is_named_where_it_takes_the_memory(rates, tmp_path):
     made = request(tmp_path, train=train)
     told = refusal(made, estimate.estimate(made, rates), rates, tmp_path, memory=GB)
     assert told.startswith("sweep.train = 'single' (240 axles) makes a worker need")
+    slow = estimate.Estimate(**estimate.estimate(made, rates).document | {"cpu_s": 1e8})
+    told = refusal(made, slow, rates, tmp_path, memory=1000 * GB)
+    assert told.startswith("sweep.train = 'single' (240 axles) makes most of 3.17 years of processor time")
 
 
 def test_plan_refuses_as_run_does(tmp_path, monkeypatch):
