@@ -206,7 +206,7 @@ def _largest_axis(request: Request, by_stage: Mapping[type[Stage], float]) -> st
 
     axis = max(values, key=saving)
     if saving(axis) == 0.0:
-        trains = request.resolved.objects["train"]
+        trains: Mapping[str, Any] = request.resolved.objects["train"]
         longest = max(set(study.sweep.train), key=lambda name: trains[name].axle_count)
         return f"sweep.train = {longest!r} ({trains[longest].axle_count} axles)"
     section = "receivers" if axis == "offsets_m" else "sweep"
