@@ -1,4 +1,7 @@
-"""Warnings about input that is legal but unusual."""
+"""Warnings about input that is legal but unusual.
+
+Checks that compute waves import the physics themselves: a driver checks without compiled kernels what can be.
+"""
 
 import warnings
 from collections.abc import Sequence
@@ -14,11 +17,9 @@ from railvib.parameters.track import Track
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.units import KMH
 from railvib.parameters.validation import warn
-from railvib.soil.surface_waves import slowest_surface_wave_speed
-from railvib.transfer.critical_speed import critical_speed
-from railvib.transfer.passivity import nonpassive_ranges
-from railvib.transfer.tabulate import LOOSEST, TIGHTEST
 
+TIGHTEST, LOOSEST = 1e-6, 1e-2
+"""Tolerances that can be asked for; the rational fits are asked for a millionth of them."""
 HIGHEST = 100.0
 """Frequency up to which waves are looked at, Hz, whatever a study asks for: a fast train excites them all."""
 LEAST_LOSS_FACTOR = 1e-3
@@ -39,6 +40,8 @@ resolve the sharp peak of the wave that was not.
 @lru_cache(maxsize=256)
 def slowest_surface_wave(ground: Ground) -> float:
     """Return the lowest speed of a Rayleigh mode from 1 to 100 Hz, m/s; infinite without one."""
+    from railvib.soil.surface_waves import slowest_surface_wave_speed
+
     return min(slowest_surface_wave_speed(ground, float(f)) for f in np.geomspace(1.0, HIGHEST, 8))
 
 
@@ -111,6 +114,8 @@ def check_speed(ground: Ground, track: Track, speed: float) -> None:
     """
     if speed < _SURELY_SLOW * ground.slowest_speed:
         return
+    from railvib.transfer.critical_speed import critical_speed
+
     limits = {"the critical speed of track and ground": critical_speed(ground, track, HIGHEST)}
     if speed >= _SLOWER_THAN_WAVES * ground.slowest_speed:
         limits = {"the slowest surface wave of the ground": slowest_surface_wave(ground), **limits}
@@ -139,6 +144,8 @@ def check_contact(ground: Ground, track: Track, lowest: float, highest: float) -
     PlausibilityWarning
         With the ranges of frequency, and what helps.
     """
+    from railvib.transfer.passivity import nonpassive_ranges
+
     ranges = nonpassive_ranges(ground, track, _BESIDE * lowest, highest)
     if ranges:
         spans = " and ".join(_range_label(f"{low:.0f}", f"{high:.0f}") for low, high in ranges)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from railvib.errors import InputError
-from railvib.forces.receptance import highest_tabulated_frequency, receptances
+from railvib.forces.receptance import receptances
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import third_octaves, threads
 from railvib.parameters.approach import APPROACHES, Approach, Averaging
@@ -25,6 +25,7 @@ from railvib.stages.graph import case_spectra, evaluate
 from railvib.stages.passage_dataset import passage_dataset
 from railvib.stages.passage_levels import PassageLevelsOfCase
 from railvib.stages.transfer_table import TransferTable
+from railvib.transfer.highest_frequencies import highest_tabulated_frequency
 from railvib.transfer.table import TransferBlock
 from railvib.transfer.transfer_function import TransferFunction
 

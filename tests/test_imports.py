@@ -151,6 +151,8 @@ def owner(name, modules):
     [
         ("railvib.cli", {"numba", "scipy", "dask", "zarr", "duckdb", "pandas", "matplotlib", "xarray"}),
         ("sweep.cli", {"numba", "scipy", "dask", "zarr", "duckdb", "pandas", "matplotlib", "xarray"}),
+        ("sweep.driver", {"numba", "dask", "zarr", "duckdb", "pandas", "matplotlib", "xarray"}),
+        ("railvib.stages", {"numba", "dask", "zarr", "duckdb", "pandas", "matplotlib", "xarray"}),
         ("sweep.study", {"dask", "distributed", "zarr", "pandas", "xarray"}),
         ("sweep.storage.records", {"dask", "distributed", "zarr", "pandas", "xarray", "numba"}),
     ],

@@ -21,8 +21,12 @@ class Square(Stage):
 
     number: float
     name: ClassVar[str] = "square"
-    result: ClassVar[type] = Numbers
     scope: ClassVar[Scope] = "ground"
+
+    @classmethod
+    def result_type(cls) -> type[Numbers]:
+        """Return the numbers."""
+        return Numbers
 
     def compute(self, load: Load) -> Numbers:
         """Square them."""

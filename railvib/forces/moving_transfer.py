@@ -49,8 +49,8 @@ def moving_transfer(rail: TransferFunction, speed: float, block_range: Iterable[
     Parameters
     ----------
     rail
-        The rail's tabulated transfer function, up to `receptance.highest_tabulated_frequency` of the highest
-        block's upper edge.
+        The rail's tabulated transfer function, up to `highest_tabulated_frequency` (in
+        `railvib.transfer.highest_frequencies`) of the highest block's upper edge.
     speed
         m/s.
     block_range

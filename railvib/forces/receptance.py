@@ -20,7 +20,6 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.frequency_interpolation import interpolate, interpolate_blocks
 from railvib.numerics.refinement import search_level, search_levels
 from railvib.parameters.track import Track
-from railvib.transfer.nodes import largest_wavenumber
 from railvib.transfer.transfer_function import TransferFunction
 
 _CHECKS = 9
@@ -94,7 +93,8 @@ def tabulate_receptances(
     Parameters
     ----------
     rail
-        The rail's tabulated transfer function, up to `highest_tabulated_frequency` of the highest block's
+        The rail's tabulated transfer function, up to `highest_tabulated_frequency` (in
+        `railvib.transfer.highest_frequencies`) of the highest block's
         upper edge and halo.
     track, speed, distances
         As in `receptances`.
@@ -214,13 +214,6 @@ def _largest_error(value: np.ndarray, exact: np.ndarray) -> float:
     return float((np.abs(value - exact) / np.abs(exact[:, -1:])).max())
 
 
-def highest_tabulated_frequency(
-    track: Track, maximum_frequency: float, speed: float, refinement: int = 1
-) -> float:
-    """Return the frequency up to which receptances up to another frequency need the rail's tables, Hz."""
-    return maximum_frequency + largest_wavenumber(track, refinement) * abs(speed) / (2.0 * np.pi)
-
-
 def receptances(
     rail: TransferFunction,
     track: Track,
@@ -234,7 +227,8 @@ def receptances(
     Parameters
     ----------
     rail
-        The rail's tabulated transfer function, up to `highest_tabulated_frequency`.
+        The rail's tabulated transfer function, up to
+        `railvib.transfer.highest_frequencies.highest_tabulated_frequency`.
     track
         The track that it was tabulated for.
     speed

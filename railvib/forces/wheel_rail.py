@@ -23,12 +23,6 @@ three of 16 digits are lost.
 """
 
 
-def axle_distances(train: Train) -> np.ndarray:
-    """Return the distinct signed distances α_j − α_k between axles, ascending, m."""
-    alpha = train.axle_positions
-    return np.unique(np.round(alpha[:, None] - alpha[None, :], 9))
-
-
 def force_matrices(train: Train, rail: Receptances, frequency: np.ndarray) -> np.ndarray:
     """Return the forces at all axles per unit unevenness at one axle.
 

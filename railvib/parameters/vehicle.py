@@ -239,6 +239,12 @@ class Train(Parameters):
         return np.concatenate([x + block.axle_positions for x, block in zip(rear_ends, blocks, strict=True)])
 
     @property
+    def axle_distances(self) -> NDArray[np.float64]:
+        """Distinct signed distances α_j − α_k between axles, ascending, m."""
+        alpha = self.axle_positions
+        return np.unique(np.round(alpha[:, None] - alpha[None, :], 9))
+
+    @property
     def axle_vehicles(self) -> NDArray[np.int64]:
         """Number of every axle's vehicle, 1 at the head, in the order of `axle_positions`."""
         numbers, first = [], 1

@@ -5,10 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from railvib.passage.amplitudes import Block
-from railvib.passage.grid import Grid
-
-AT_ONCE = 256
-"""Passages that are sampled together."""
+from railvib.passage.grid import AT_ONCE, Grid
 
 
 def coefficients(seed: int, batch: int, count: int, harmonics: int, number: int = 0) -> np.ndarray:

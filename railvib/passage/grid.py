@@ -19,6 +19,8 @@ import numpy as np
 from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground
 
+AT_ONCE = 256
+"""Passages that are sampled together."""
 _REACH = 200.0
 """Line beyond the train that is heard at high frequencies, m."""
 _DECAY = 2.0

@@ -31,31 +31,6 @@ LOWEST_HZ = 0.005
 """Frequency whose forces stand for all below: a free vehicle has no static receptance."""
 
 
-def highest_excitation(
-    receiving_frequency: float, largest_wavenumber: float, speed: float, refinement: int = 1
-) -> float:
-    """Return the highest frequency of excitation that the full model counts, Hz.
-
-    A line at f hears the excitation at f + κv/2π through H̃(κ, f). All wavenumbers κ up to half the largest
-    of the tables count, where the rail on its pads carries all but a hundredth of the load alone. Of those
-    beyond, excitations up to 10^(1/2) of the highest line count.
-
-    Parameters
-    ----------
-    receiving_frequency
-        The highest line, Hz.
-    largest_wavenumber
-        Of the tables, rad/m, see `railvib.transfer.nodes`.
-    speed
-        m/s.
-    refinement
-        For studies of convergence: by how much the limit of 10^(1/2) is raised.
-    """
-    shift = largest_wavenumber * speed / (2.0 * np.pi)
-    highest = max(receiving_frequency + 0.5 * shift, np.sqrt(10.0) * receiving_frequency * refinement)
-    return float(min(receiving_frequency + shift, highest))
-
-
 @dataclass(frozen=True)
 class Excitation:
     """q_l(β) for β ≥ 0; at −β it is the conjugate."""

@@ -34,13 +34,11 @@ from railvib.psd._kernels.moments import moments
 from railvib.psd.excitation import Excitation
 from railvib.transfer.intensity import Squares, group_by_nodes, squares
 from railvib.transfer.nodes import Nodes
-from railvib.transfer.tabulate import distance_class
+from railvib.transfer.receiver_classes import RECEIVERS_AT_ONCE, distance_class
 from railvib.transfer.transfer_function import TransferFunction
 
 _LINES_AT_ONCE = 64
 """Lines whose weights are computed together."""
-RECEIVERS_AT_ONCE = 8
-"""Receivers whose tables are in memory at once."""
 
 
 @threads.single()

@@ -38,7 +38,7 @@ def full_model_spectra(
     receivers
         The receivers' transfer functions, which may be loaded when asked for.
     highest
-        Highest frequency of excitation that counts, Hz, see `railvib.psd.excitation.highest_excitation`.
+        Highest frequency of excitation that counts, Hz, see `railvib.transfer.highest_frequencies`.
     tolerance
         Relative error allowed in the excitation.
     """

@@ -19,6 +19,8 @@ from railvib.errors import InputError
 from railvib.numerics import third_octaves
 from railvib.parameters.vehicle import Train
 
+LINES_AT_ONCE = 128
+"""Lines whose matrices of axles are in memory at once: few enough to stay in the cache."""
 _STEPS_PER_RIPPLE = 8
 """Steps in the period v/L of the ripple, which leave 0.002 dB in bands."""
 _STEPS_PER_MODE = 2

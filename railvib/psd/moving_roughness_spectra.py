@@ -10,12 +10,10 @@ from railvib.forces.wheel_rail import AxleEquations
 from railvib.parameters.approach import Approach
 from railvib.parameters.receiver import Receiver
 from railvib.psd.line_integrals import LineIntegrals
+from railvib.psd.lines import LINES_AT_ONCE
 from railvib.psd.moving_roughness import axle_pairs, force_products, line_means, products
 from railvib.psd.spectra import Passage, Spectra, WheelShare, assemble
 from railvib.psd.train_average import TrainIntegrals
-
-LINES_AT_ONCE = 128
-"""Lines whose matrices are in memory at once: few enough to stay in the cache."""
 
 Means = dict[Receiver, dict[str, np.ndarray]]
 """∫ |u|² dx on some lines by receiver and averaging, m³ per m² of unevenness."""

@@ -13,9 +13,7 @@ from railvib.numerics.vector_math import phasors
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
-from railvib.transfer.nodes import TOP, largest_wavenumber
 from railvib.transfer.steady_response import steady_response
-from railvib.transfer.table import negligible_beyond
 from railvib.transfer.transfer_function import TransferFunction
 
 
@@ -94,14 +92,3 @@ def _responses(
         beyond = ~tabulated
         response[beyond] = steady_response(ground, track, receiver, frequency[beyond], wavenumber[beyond])
     return response
-
-
-def highest_quasi_static_frequency(ground: Ground, track: Track, receiver: Receiver, speed: float) -> float:
-    """Return the frequency up to which the response to loads at a speed in m/s needs tables, Hz.
-
-    Beyond, it is negligible, or on the track known in closed form; infinite for loads that a wave can follow.
-    """
-    distance = receiver.distance(track.half_width)
-    if TOP * speed >= ground.slowest_speed:
-        return np.inf
-    return min(negligible_beyond(distance), largest_wavenumber(track)) * speed / (2.0 * np.pi)

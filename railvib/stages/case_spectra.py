@@ -2,19 +2,21 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from railvib.forces.wheel_rail import axle_distances
 from railvib.parameters.approach import Approach
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
-from railvib.psd.spectra import Passage, Spectra
+from railvib.psd.lines import Lines, lines
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage
 from railvib.stages.quasi_static import QuasiStaticResponse
 from railvib.stages.stage import FLOAT, Load, Scope
+
+if TYPE_CHECKING:
+    from railvib.psd.spectra import Passage, Spectra
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -45,13 +47,26 @@ class CaseSpectra(ModelStage):
     receivers: tuple[AnyReceiver, ...]
     averaging: tuple[str, ...]
     name: ClassVar[str] = "spectra"
-    result: ClassVar[type] = Spectra
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "unevenness", "speed_kmh")
     scope: ClassVar[Scope] = "case"
 
+    @classmethod
+    def result_type(cls) -> "type[Spectra]":
+        """Return the frozen dataclass of arrays that is computed."""
+        from railvib.psd.spectra import Spectra
+
+        return Spectra
+
     @property
-    def passage(self) -> Passage:
+    def lines(self) -> Lines:
+        """The narrow-band lines."""
+        return lines(self.band, self.train, self.speed, self.refinement)
+
+    @property
+    def passage(self) -> "Passage":
         """The train over the unevenness."""
+        from railvib.psd.spectra import Passage
+
         return Passage(self.train, self.unevenness, self.speed, self.band, self.refinement)
 
     @property
@@ -61,7 +76,7 @@ class CaseSpectra(ModelStage):
         return QuasiStaticResponse(
             receivers=self.receivers,
             band=self.band,
-            intervals=self.passage.lines.intervals,
+            intervals=self.lines.intervals,
             speed=self.speed,
             train_length=self.train.length,
             axle_position=axles.position,
@@ -78,7 +93,7 @@ class CaseSpectra(ModelStage):
         """Estimate the spectra."""
         forces, velocities = (3, 5) if self.train.has_rough_wheels else (1, 3)
         series = forces * self.train.axle_count + velocities * len(self.receivers) * len(self.averaging)
-        return series * (self.passage.frequency.size + len(self.band)) * FLOAT
+        return series * (self.lines.frequency.size + len(self.band)) * FLOAT
 
 
 class AxleLayout(NamedTuple):
@@ -94,5 +109,5 @@ def axle_layout(train: Train) -> AxleLayout:
     """Return the axles of a train, ascending in x."""
     position = np.round(train.axle_positions - train.axle_positions[0], 9)
     return AxleLayout(
-        tuple(position.tolist()), tuple(train.axle_loads.tolist()), tuple(axle_distances(train).tolist())
+        tuple(position.tolist()), tuple(train.axle_loads.tolist()), tuple(train.axle_distances.tolist())
     )

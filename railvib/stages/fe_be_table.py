@@ -8,12 +8,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from railvib import library
-from railvib.fe_be.boundary_elements import receiver_flexibility, strip_flexibility
 from railvib.parameters.cross_section import CrossSection
-from railvib.soil.tensor_fit import fit_tensor
 from railvib.stages.stage import Work
 from railvib.stages.transfer_table import TransferTable, table_size
-from railvib.transfer.tabulate import distance_class
+from railvib.transfer.receiver_classes import distance_class
 
 _BYTES = 128 * 2**20
 """The bed, and the matrices of many wavenumbers; 75 MB were measured with eight strips and three rows."""
@@ -36,7 +34,7 @@ class FeBeTable(TransferTable):
 
     def evaluation(self) -> Any:
         """Return the FE/BE model of the block."""
-        from railvib.fe_be.model import FeBeModel  # brings a finite-element library
+        from railvib.fe_be.model import FeBeModel
 
         return FeBeModel(self.ground, self.track, self.cross_section, self.block, self.refinement)
 
@@ -58,6 +56,9 @@ class FeBeTable(TransferTable):
 
 @cache
 def _compile() -> None:
+    from railvib.fe_be.boundary_elements import receiver_flexibility, strip_flexibility
+    from railvib.soil.tensor_fit import fit_tensor
+
     strip = np.array([0.0, 1.0])
     fit = fit_tensor(library.load("soil", "horstwalde"), 1.0, 1e-2)
     strip_flexibility(fit, strip, strip)

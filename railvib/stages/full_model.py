@@ -2,15 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.receiver import Receiver
-from railvib.psd.excitation import highest_excitation
-from railvib.psd.full_model_spectra import full_model_spectra
-from railvib.psd.moving_roughness_spectra import LINES_AT_ONCE
-from railvib.psd.spectra import Spectra
+from railvib.psd.lines import LINES_AT_ONCE
 from railvib.stages.case_spectra import CaseSpectra, axle_layout
 from railvib.stages.model_stage import blocks_over
 from railvib.stages.moving_transfer import RailMovingTransfer
@@ -18,7 +15,11 @@ from railvib.stages.receptances import RailReceptances
 from railvib.stages.stage import COMPLEX, Load, Stage, Work
 from railvib.stages.tables import LoadedFunctions, receiver_tables, tables_memory
 from railvib.stages.transfer_table import table_size
+from railvib.transfer.highest_frequencies import highest_excitation
 from railvib.transfer.nodes import largest_wavenumber
+
+if TYPE_CHECKING:
+    from railvib.psd.spectra import Spectra
 
 _PANELS_PER_RAD_M = 3.0
 """Of the excitation: 1 to 3 occurred, fewest on damped soil."""
@@ -35,7 +36,7 @@ class FullModelSpectra(CaseSpectra):
     def highest_excitation(self) -> float:
         """Highest frequency of excitation that counts, Hz."""
         largest = largest_wavenumber(self.track, self.refinement)
-        highest_line = float(self.passage.frequency[-1])
+        highest_line = float(self.lines.frequency[-1])
         return highest_excitation(highest_line, largest, self.speed, self.refinement)
 
     @property
@@ -64,8 +65,10 @@ class FullModelSpectra(CaseSpectra):
     def _tables(self, receiver: Receiver) -> tuple[Stage, ...]:
         return receiver_tables(self, receiver, blocks_over(self.band))
 
-    def compute(self, load: Load) -> Spectra:
+    def compute(self, load: Load) -> "Spectra":
         """Predict the spectra."""
+        from railvib.psd.full_model_spectra import full_model_spectra
+
         functions = LoadedFunctions(
             {receiver: self._tables(receiver) for receiver in self.receivers}, self.track, load
         )
@@ -104,7 +107,7 @@ class FullModelSpectra(CaseSpectra):
 
     def work(self) -> Work:
         """Return the amounts of forces and of the sum over wavenumbers."""
-        axles, lines = self.train.axle_count, float(self.passage.frequency.size)
+        axles, lines = self.train.axle_count, float(self.lines.frequency.size)
         sets, excitations = float(self._force_sets), self._excitations
         block = max(blocks_over(self.band))
         nodes = sum(table_size(self.ground, block, receiver)[1] for receiver in self.receivers)

@@ -2,16 +2,17 @@
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from railvib.parameters.receiver import RAIL
-from railvib.psd.full_model import RECEIVERS_AT_ONCE
-from railvib.psd.line_integrals import LineIntegrals, line_integrals
 from railvib.stages.model_stage import AnyReceiver, ModelStage
 from railvib.stages.stage import FLOAT, Load, Stage, Work
 from railvib.stages.tables import receiver_tables, transfer_function
 from railvib.stages.transfer_table import table_size
-from railvib.transfer.tabulate import distance_class
+from railvib.transfer.receiver_classes import RECEIVERS_AT_ONCE, distance_class
+
+if TYPE_CHECKING:
+    from railvib.psd.line_integrals import LineIntegrals
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,9 +33,15 @@ class ReceiverLineIntegrals(ModelStage):
     distances: tuple[float, ...]
     blocks: tuple[int, ...]
     name: ClassVar[str] = "line_integrals"
-    result: ClassVar[type] = LineIntegrals
     at_once: ClassVar[int | None] = RECEIVERS_AT_ONCE
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "offsets_m")
+
+    @classmethod
+    def result_type(cls) -> "type[LineIntegrals]":
+        """Return the frozen dataclass of arrays that is computed."""
+        from railvib.psd.line_integrals import LineIntegrals
+
+        return LineIntegrals
 
     def together(self) -> Hashable:
         """Return the same integrals of the rail: receivers of a class share their nodes."""
@@ -48,13 +55,15 @@ class ReceiverLineIntegrals(ModelStage):
         """Return the receiver's tables."""
         return receiver_tables(self, self.receiver, range(self.blocks[0], self.blocks[-1] + 1))
 
-    def compute(self, load: Load) -> LineIntegrals:
+    def compute(self, load: Load) -> "LineIntegrals":
         """Integrate."""
         return next(results[self] for results in self.compute_together([self], load))
 
     @classmethod
-    def compute_together(cls, stages: Sequence[Self], load: Load) -> Iterator[Mapping[Self, LineIntegrals]]:
+    def compute_together(cls, stages: Sequence[Self], load: Load) -> Iterator[Mapping[Self, "LineIntegrals"]]:
         """Integrate receivers, those of one class of distances together."""
+        from railvib.psd.line_integrals import line_integrals
+
         first = stages[0]
         classes: dict[float, list[Self]] = {}
         for stage in stages:

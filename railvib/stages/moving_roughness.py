@@ -1,17 +1,19 @@
 """Stage: the spectra of a case by moving roughness, in any of its forms."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from railvib.parameters.receiver import Receiver
-from railvib.psd.moving_roughness_spectra import LINES_AT_ONCE, moving_roughness_spectra
-from railvib.psd.spectra import Spectra
+from railvib.psd.lines import LINES_AT_ONCE
 from railvib.stages.case_spectra import CaseSpectra, axle_layout
 from railvib.stages.line_integrals import ReceiverLineIntegrals
 from railvib.stages.model_stage import blocks_over
 from railvib.stages.receptances import RailReceptances
 from railvib.stages.stage import COMPLEX, Load, Stage, Work
 from railvib.stages.train_integrals import ReceiverTrainIntegrals
+
+if TYPE_CHECKING:
+    from railvib.psd.spectra import Spectra
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -65,8 +67,10 @@ class MovingRoughnessSpectra(CaseSpectra):
             *(self.train_integrals(receiver) for receiver in self._averages_over_train),
         ]
 
-    def compute(self, load: Load) -> Spectra:
+    def compute(self, load: Load) -> "Spectra":
         """Predict the spectra."""
+        from railvib.psd.moving_roughness_spectra import moving_roughness_spectra
+
         return moving_roughness_spectra(
             self.approach,
             self.passage,
@@ -86,7 +90,7 @@ class MovingRoughnessSpectra(CaseSpectra):
 
     def work(self) -> Work:
         """Return pairs of axles, their matrices, and pairs of axles at receivers."""
-        axles, lines = self.train.axle_count, float(self.passage.frequency.size)
+        axles, lines = self.train.axle_count, float(self.lines.frequency.size)
         if self.train.has_rough_wheels:  # matrices once more, for each wheelset alone
             lines *= 2.0
         pairs = lines * axles**2

@@ -3,22 +3,23 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from railvib.numerics import third_octaves
 from railvib.parameters.approach import Approach
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.unevenness import Unevenness
 from railvib.parameters.vehicle import Train
-from railvib.passage.ensemble import AT_ONCE
-from railvib.passage.grid import passage_lines
-from railvib.passage.passage_levels import PassageLevels, RandomPassage, Request, passage_levels
+from railvib.passage.grid import AT_ONCE, passage_lines
 from railvib.stages.full_model import FullModelSpectra
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage, blocks_over
 from railvib.stages.moving_roughness import MovingRoughnessSpectra
 from railvib.stages.receptances import RailReceptances
 from railvib.stages.stage import COMPLEX, FLOAT, Load, Scope, Stage, Work
 from railvib.stages.tables import LoadedFunctions, receiver_tables, tables_memory
+
+if TYPE_CHECKING:
+    from railvib.passage.passage_levels import PassageLevels, RandomPassage
 
 _HARMONICS_PER_LINE = 4.0
 """Harmonics over lines, and their share that is heard at a line: 1.4 and 0.2 occurred, on the rail 1."""
@@ -65,9 +66,15 @@ class PassageLevelsOfCase(ModelStage):
     passages: int
     seed: int
     name: ClassVar[str] = "passage_levels"
-    result: ClassVar[type] = PassageLevels
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "unevenness", "speed_kmh")
     scope: ClassVar[Scope] = "case"
+
+    @classmethod
+    def result_type(cls) -> "type[PassageLevels]":
+        """Return the frozen dataclass of arrays that is computed."""
+        from railvib.passage.passage_levels import PassageLevels
+
+        return PassageLevels
 
     @cached_property
     def _spectra(self) -> FullModelSpectra | MovingRoughnessSpectra:
@@ -103,13 +110,17 @@ class PassageLevelsOfCase(ModelStage):
         """Return the rail's receptances, and the receivers' tables."""
         return [self._rail, *(table for receiver in self.receivers for table in self._tables(receiver))]
 
-    def compute(self, load: Load) -> PassageLevels:
+    def compute(self, load: Load) -> "PassageLevels":
         """Compute the levels."""
+        from railvib.passage.passage_levels import Request, passage_levels
+
         request = Request(self.metrics, self.quantiles, self.passages, self.seed)
         return passage_levels(self.random_passage(load), self.functions(load), request)
 
-    def random_passage(self, load: Load) -> RandomPassage:
+    def random_passage(self, load: Load) -> "RandomPassage":
         """Return the random passage that the levels are those of."""
+        from railvib.passage.passage_levels import RandomPassage
+
         passage, highest = self._spectra.passage, self._highest_excitation
         return RandomPassage(self.approach, passage, self.ground, load(self._rail), highest)
 

@@ -1,7 +1,7 @@
 """Stage: the response to the axle loads that move past, which all approaches of a case share."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -9,10 +9,13 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics import third_octaves
 from railvib.parameters.receiver import Receiver
 from railvib.psd.lines import Lines
-from railvib.psd.quasi_static import QuasiStatic, highest_quasi_static_frequency, quasi_static_spectra
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage
 from railvib.stages.stage import FLOAT, Load, Scope, Stage
 from railvib.stages.tables import LoadedFunctions, receiver_tables, tables_memory
+from railvib.transfer.highest_frequencies import highest_quasi_static_frequency
+
+if TYPE_CHECKING:
+    from railvib.psd.quasi_static import QuasiStatic
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -45,12 +48,18 @@ class QuasiStaticResponse(ModelStage):
     axle_position: tuple[float, ...]
     axle_load: tuple[float, ...]
     name: ClassVar[str] = "quasi_static"
-    result: ClassVar[type] = QuasiStatic
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "speed_kmh")
     scope: ClassVar[Scope] = "speed"
 
     def _frequency(self) -> np.ndarray:
         return Lines(self.band, self.intervals).frequency
+
+    @classmethod
+    def result_type(cls) -> "type[QuasiStatic]":
+        """Return the frozen dataclass of arrays that is computed."""
+        from railvib.psd.quasi_static import QuasiStatic
+
+        return QuasiStatic
 
     def _tables(self, receiver: Receiver) -> tuple[Stage, ...]:
         """Return a receiver's tables as far up as its response needs them."""
@@ -64,8 +73,10 @@ class QuasiStaticResponse(ModelStage):
         """Return the tables of all receivers."""
         return [table for receiver in self.receivers for table in self._tables(receiver)]
 
-    def compute(self, load: Load) -> QuasiStatic:
+    def compute(self, load: Load) -> "QuasiStatic":
         """Compute the spectra on the narrow-band lines."""
+        from railvib.psd.quasi_static import QuasiStatic, quasi_static_spectra
+
         frequency = self._frequency()
         spectra = quasi_static_spectra(
             self.ground,

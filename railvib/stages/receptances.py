@@ -1,14 +1,17 @@
 """Stage: the rail's receptances at the axle distances of a train, standing or moving at a speed."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from railvib.forces.receptance import Receptances, highest_tabulated_frequency, tabulate_receptances
 from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.receiver import RAIL
 from railvib.stages.model_stage import ModelStage
 from railvib.stages.stage import COMPLEX, Load, Scope, Stage, Work
 from railvib.stages.tables import receiver_tables, transfer_function
+from railvib.transfer.highest_frequencies import highest_tabulated_frequency
+
+if TYPE_CHECKING:
+    from railvib.forces.receptance import Receptances
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -29,8 +32,14 @@ class RailReceptances(ModelStage):
     distances: tuple[float, ...]
     blocks: tuple[int, ...]
     name: ClassVar[str] = "receptance"
-    result: ClassVar[type] = Receptances
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "speed_kmh")
+
+    @classmethod
+    def result_type(cls) -> "type[Receptances]":
+        """Return the frozen dataclass of arrays that is computed."""
+        from railvib.forces.receptance import Receptances
+
+        return Receptances
 
     @property
     def scope(self) -> Scope:  # type: ignore[override]
@@ -46,8 +55,10 @@ class RailReceptances(ModelStage):
         """The blocks as a range."""
         return range(self.blocks[0], self.blocks[-1] + 1)
 
-    def compute(self, load: Load) -> Receptances:
+    def compute(self, load: Load) -> "Receptances":
         """Tabulate the receptances."""
+        from railvib.forces.receptance import tabulate_receptances
+
         return tabulate_receptances(
             transfer_function(self.needs(), self.track, load),
             self.track,

@@ -2,6 +2,9 @@
 
 Everything that a result depends on is a field of its stage, so that an identity made of the fields cannot
 leave anything out. Stages that differ in a receiver only can be computed together.
+
+The module of a stage imports what planning takes, and the physics where it computes: a driver that plans
+loads no compiled kernels.
 """
 
 from abc import ABC, abstractmethod
@@ -54,8 +57,6 @@ class Stage(ABC):
     ----------
     name
         Name under which results are stored.
-    result
-        Frozen dataclass of arrays that is computed.
     at_once
         How many stages of a group are in memory at once, at most; all of them if None.
     grows_with
@@ -64,9 +65,13 @@ class Stage(ABC):
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
     name: ClassVar[str]
-    result: ClassVar[type]
     at_once: ClassVar[int | None] = None
     grows_with: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    @abstractmethod
+    def result_type(cls) -> type:
+        """Return the frozen dataclass of arrays that is computed."""
 
     @property
     @abstractmethod

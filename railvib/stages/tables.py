@@ -2,16 +2,18 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from railvib.parameters.receiver import Receiver
 from railvib.parameters.track import Track
-from railvib.psd.full_model import RECEIVERS_AT_ONCE
 from railvib.stages.fe_be_table import FeBeTable
 from railvib.stages.model_stage import Bands, ModelStage, blocks_over
 from railvib.stages.stage import Load, Stage
 from railvib.stages.transfer_table import TransferTable
-from railvib.transfer.transfer_function import TransferFunction
+from railvib.transfer.receiver_classes import RECEIVERS_AT_ONCE
+
+if TYPE_CHECKING:
+    from railvib.transfer.transfer_function import TransferFunction
 
 REMEMBERED = 4096
 """Sequences of tables that planning keeps, as many cases share them."""
@@ -32,12 +34,14 @@ def _tables(
     return tuple(table(block=block, receiver=receiver, **fields) for block in reversed(block_range))
 
 
-def transfer_function(tables: Sequence[Stage], track: Track, load: Load) -> TransferFunction:
+def transfer_function(tables: Sequence[Stage], track: Track, load: Load) -> "TransferFunction":
     """Return a transfer function from the stages of its tables."""
+    from railvib.transfer.transfer_function import TransferFunction
+
     return TransferFunction([load(table) for table in tables], track)
 
 
-class LoadedFunctions(Mapping[Receiver, TransferFunction]):
+class LoadedFunctions(Mapping[Receiver, "TransferFunction"]):
     """Transfer functions by receiver, loaded each time that one is asked for.
 
     Tables of a hundred receivers take more memory than a worker has: whoever goes through them one by one
@@ -49,7 +53,7 @@ class LoadedFunctions(Mapping[Receiver, TransferFunction]):
         self._track = track
         self._load = load
 
-    def __getitem__(self, receiver: Receiver) -> TransferFunction:
+    def __getitem__(self, receiver: Receiver) -> "TransferFunction":
         return transfer_function(self._tables[receiver], self._track, self._load)
 
     def __iter__(self) -> Iterator[Receiver]:

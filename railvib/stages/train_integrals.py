@@ -2,20 +2,20 @@
 
 from dataclasses import dataclass
 from functools import cache
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from railvib import library
 from railvib.parameters.receiver import RAIL
 from railvib.psd.lines import Lines
-from railvib.psd.train_average import TrainIntegrals, train_integrals
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage, blocks_over
 from railvib.stages.stage import COMPLEX, Load, Stage, Work
 from railvib.stages.tables import receiver_tables, transfer_function
 from railvib.stages.transfer_table import table_size
-from railvib.transfer.tabulate import transfer_blocks
-from railvib.transfer.transfer_function import TransferFunction
+
+if TYPE_CHECKING:
+    from railvib.psd.train_average import TrainIntegrals
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,8 +39,14 @@ class ReceiverTrainIntegrals(ModelStage):
     intervals: tuple[int, ...]
     axle_position: tuple[float, ...]
     name: ClassVar[str] = "train_integrals"
-    result: ClassVar[type] = TrainIntegrals
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "train", "offsets_m")
+
+    @classmethod
+    def result_type(cls) -> "type[TrainIntegrals]":
+        """Return the frozen dataclass of arrays that is computed."""
+        from railvib.psd.train_average import TrainIntegrals
+
+        return TrainIntegrals
 
     @classmethod
     def compile(cls) -> None:
@@ -54,8 +60,10 @@ class ReceiverTrainIntegrals(ModelStage):
     def _frequency(self) -> np.ndarray:
         return Lines(self.band, self.intervals).frequency
 
-    def compute(self, load: Load) -> TrainIntegrals:
+    def compute(self, load: Load) -> "TrainIntegrals":
         """Integrate."""
+        from railvib.psd.train_average import train_integrals
+
         function = transfer_function(self.needs(), self.track, load)
         return train_integrals(function, np.asarray(self.axle_position), self._frequency())
 
@@ -77,6 +85,10 @@ class ReceiverTrainIntegrals(ModelStage):
 
 @cache
 def _compile() -> None:
+    from railvib.psd.train_average import train_integrals
+    from railvib.transfer.tabulate import transfer_blocks
+    from railvib.transfer.transfer_function import TransferFunction
+
     ground, track = library.load("soil", "horstwalde"), library.load("track", "ballasted-paper")
     tables = transfer_blocks(ground, track, 0, [RAIL], 1e-2)
     train_integrals(TransferFunction(tables.values(), track), np.array([0.0, 2.0]), np.array([2.0]))

@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from railvib.errors import AccuracyWarning
 from railvib.numerics import frequency_blocks as blocks
@@ -14,8 +14,10 @@ from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import RAIL, Receiver
 from railvib.stages.model_stage import AnyReceiver, ModelStage
 from railvib.stages.stage import COMPLEX, FLOAT, Load, Work
-from railvib.transfer.table import TransferBlock
-from railvib.transfer.tabulate import VALUES_AT_ONCE, transfer_blocks_by_class
+from railvib.transfer.receiver_classes import VALUES_AT_ONCE
+
+if TYPE_CHECKING:
+    from railvib.transfer.table import TransferBlock
 
 _SURVIVING = 8.0
 """Wavelengths times loss factor after which tables grow no more with distance: e^{−8π} is left of a wave."""
@@ -38,9 +40,15 @@ class TransferTable(ModelStage):
     receiver: AnyReceiver
     block: int
     name: ClassVar[str] = "transfer"
-    result: ClassVar[type] = TransferBlock
     at_once: ClassVar[int | None] = VALUES_AT_ONCE
     grows_with: ClassVar[tuple[str, ...]] = ("soil", "track", "offsets_m")
+
+    @classmethod
+    def result_type(cls) -> "type[TransferBlock]":
+        """Return the frozen dataclass of arrays that is computed."""
+        from railvib.transfer.table import TransferBlock
+
+        return TransferBlock
 
     def together(self) -> Hashable:
         """Return the same table of the rail: receivers of a block share the fits of the ground."""
@@ -50,13 +58,15 @@ class TransferTable(ModelStage):
         """Return the receiver's label; the rail is stored alone."""
         return None if self.receiver.on_rail else self.receiver.label
 
-    def compute(self, load: Load) -> TransferBlock:
+    def compute(self, load: Load) -> "TransferBlock":
         """Tabulate it."""
         return next(results[self] for results in self.compute_together([self], load))
 
     @classmethod
-    def compute_together(cls, stages: Sequence[Self], load: Load) -> Iterator[Mapping[Self, TransferBlock]]:
+    def compute_together(cls, stages: Sequence[Self], load: Load) -> Iterator[Mapping[Self, "TransferBlock"]]:
         """Tabulate the receivers of a block class by class."""
+        from railvib.transfer.tabulate import transfer_blocks_by_class
+
         first = stages[0]
         stage_at = {stage.receiver: stage for stage in stages}
         for tables in transfer_blocks_by_class(

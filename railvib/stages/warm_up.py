@@ -11,17 +11,18 @@ from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.track import Track
 from railvib.parameters.vehicle import Train
-from railvib.soil.rational_fit import fit_flexibility
 from railvib.stages.graph import case_spectra, evaluate
 from railvib.stages.transfer_table import TransferTable
-from railvib.transfer.compliance_under_track import compliance_under_track
-from railvib.transfer.intensity import squares
-from railvib.transfer.transfer_function import TransferFunction
 
 
 @cache
 def warm_up() -> None:
     """Compile the kernels of the common stages, or load them where that has been done."""
+    from railvib.soil.rational_fit import fit_flexibility
+    from railvib.transfer.compliance_under_track import compliance_under_track
+    from railvib.transfer.intensity import squares
+    from railvib.transfer.transfer_function import TransferFunction
+
     case: dict[str, Any] = {
         "ground": library.load("soil", "horstwalde"),
         "track": library.load("track", "ballasted-paper"),

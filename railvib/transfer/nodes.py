@@ -15,6 +15,8 @@ from railvib.parameters.track import Track
 
 TOP = 1.3
 """Slowness at u = 1 over that of the ground's slowest wave."""
+_NEGLIGIBLE_DECAY = 80.0
+"""Exponent of decay beyond which a field is negligible, however much damping takes from its peak."""
 
 
 def largest_wavenumber(track: Track, refinement: int = 1) -> float:
@@ -28,6 +30,16 @@ def node_range(
     """Return slowness at u = 1, s/m, and wavenumber at u = 2, rad/m, for tables up to a frequency in Hz."""
     top = TOP / ground.slowest_speed
     return top, max(largest_wavenumber(track, refinement), 2.0 * 2.0 * np.pi * highest_frequency * top)
+
+
+def negligible_beyond(distance: float) -> float:
+    """Return β beyond which a field that no wave carries is negligible at a distance from the track, rad/m.
+
+    Beyond u = 1 the field decays at least by e^{−√(1 − 1/TOP²) β·distance}.
+    """
+    if distance <= 0.0:
+        return np.inf
+    return float(_NEGLIGIBLE_DECAY / (np.sqrt(1.0 - 1.0 / TOP**2) * distance))
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,11 +20,8 @@ from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.track import Track
 from railvib.transfer._kernels.waves import multiply_by_waves
 from railvib.transfer.interpolate import Rows
-from railvib.transfer.nodes import TOP, Nodes
+from railvib.transfer.nodes import Nodes, negligible_beyond
 from railvib.transfer.track_response import track_response
-
-_NEGLIGIBLE_DECAY = 80.0
-"""Exponent of decay beyond which a field is negligible, however much damping takes from its peak."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,13 +223,3 @@ class TransferBlock:
             f"transfer function of {self.point.title} from {low:.3g} to {high:.3g} Hz: "
             f"error {self.interpolation_error:.1e} is above the tolerance {tolerance:g}"
         )
-
-
-def negligible_beyond(distance: float) -> float:
-    """Return β beyond which a field that no wave carries is negligible at a distance from the track, rad/m.
-
-    Beyond u = 1 the field decays at least by e^{−√(1 − 1/TOP²) β·distance}.
-    """
-    if distance <= 0.0:
-        return np.inf
-    return float(_NEGLIGIBLE_DECAY / (np.sqrt(1.0 - 1.0 / TOP**2) * distance))

@@ -23,23 +23,15 @@ from railvib.transfer.evaluation import Evaluation, Model, compliance_error
 from railvib.transfer.intensity import square_level
 from railvib.transfer.interpolation_error import HalfwayCheck, halfway_places
 from railvib.transfer.nodes import Nodes, node_range
+from railvib.transfer.receiver_classes import VALUES_AT_ONCE, distance_class
 from railvib.transfer.samples import Samples
 from railvib.transfer.table import SharedTable, TransferBlock
 
-TIGHTEST, LOOSEST = 1e-6, 1e-2
-"""Tolerances that can be asked for; the rational fits are asked for a millionth of them."""
 _MOST_HALVINGS = 12
 _RESOLVED = 1e-2
 """Size of a panel's last Legendre coefficients, over tolerance times peak, that resolves it."""
 _CHECKS = 5
 """Places between the frequencies of a level at which a table is checked."""
-VALUES_AT_ONCE = 32
-"""Receivers whose values are computed together; their tables of one level are yielded together."""
-
-
-def distance_class(receiver: Receiver) -> float:
-    """Return the farthest distance of the receiver's class, m: 8, 16, 32, …; 8 for the rail."""
-    return float(8.0 * 2.0 ** max(np.ceil(np.log2(max(receiver.offset or 0.0, 1.0) / 8.0)), 0.0))
 
 
 def transfer_blocks(

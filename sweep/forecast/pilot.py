@@ -30,7 +30,6 @@ from railvib.numerics import frequency_blocks as blocks
 from railvib.parameters.cross_section import CrossSection
 from railvib.parameters.ground import Ground
 from railvib.parameters.receiver import RAIL, Receiver
-from railvib.soil.fits import GroundFits
 from railvib.stages import Work
 from railvib.stages.fe_be_table import FeBeTable
 from railvib.stages.transfer_table import TransferTable
@@ -171,6 +170,7 @@ def _resident() -> int:
 def measure_fe_be() -> Rates:
     """Evaluate the FE/BE model at some places, and return what one place costs."""
     from railvib.fe_be.model import FeBeModel
+    from railvib.soil.fits import GroundFits
 
     compiling.compile_stage(FeBeTable)
     began = time.process_time()

@@ -14,7 +14,6 @@ from functools import cache
 from importlib import metadata, resources
 from pathlib import Path
 
-from railvib.soil._kernels.layers import surface_flexibility
 from railvib.stages.stage import Stage
 from sweep import identity
 from sweep.host import host_class
@@ -31,6 +30,8 @@ def kernels_folder() -> Path:
     OSError
         If kernels cannot be kept.
     """
+    from railvib.soil._kernels.layers import surface_flexibility
+
     path = surface_flexibility.stats.cache_path
     if path is None:
         raise FileNotFoundError("compiled kernels cannot be cached")

@@ -210,7 +210,7 @@ def _record(
         firsts = records.commit_many(home, [record for _, record, _ in entries])
         for (unit, _, written), first in zip(entries, firsts, strict=True):
             if first and unit.scope != "case":  # no other task reads results of one case
-                _hold(unit, place, restore(written, unit.stage.result))
+                _hold(unit, place, restore(written, unit.stage.result_type()))
                 _recorded[place.directory, unit.id] = home, written.group_fields()
             yield first, written.bytes_written, cautions
             records.forget_failure(place.directory, unit.id)
@@ -262,7 +262,7 @@ class Reader:
         return self._read(unit, home, {name: record.get(name) for name in store.GROUP_FIELDS})
 
     def _read(self, unit: Unit, home: str, recorded: dict[str, Any]) -> Any:
-        result: Any = store.read(home, result_type=unit.stage.result, **recorded)
+        result: Any = store.read(home, result_type=unit.stage.result_type(), **recorded)
         _recorded[self._place.directory, unit.id] = home, recorded
         return result
 

@@ -70,7 +70,7 @@ def test_database_and_spectra_computed_again_from_the_store_agree(results, run_d
     def load(needed):
         record = records.find(run_directory, needed.name, unit_of(needed).id)
         recorded = {name: record[name] for name in store.GROUP_FIELDS}
-        return store.read(run_directory, result_type=needed.result, **recorded)
+        return store.read(run_directory, result_type=needed.result_type(), **recorded)
 
     again = stage.compute(load)
     assert len(again.receiver) > 20

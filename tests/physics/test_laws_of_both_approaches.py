@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railvib.forces.receptance import tabulate_receptances
-from railvib.forces.wheel_rail import axle_distances, axle_phases, force_matrices
+from railvib.forces.wheel_rail import axle_phases, force_matrices
 from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL, Receiver
@@ -54,7 +54,7 @@ def functions(soft, track, tables):
 
 @pytest.fixture(scope="module")
 def standing(functions, track, train):
-    return tabulate_receptances(functions[RAIL], track, 0.0, axle_distances(train), range(-3, 3))
+    return tabulate_receptances(functions[RAIL], track, 0.0, train.axle_distances, range(-3, 3))
 
 
 def test_no_receiver_depends_on_the_others(functions, train):
@@ -209,7 +209,7 @@ class TestSlowTrain:
     def test_train_in_bands_only(self, functions, track, vehicle):
         train = Train(vehicles=[vehicle])
         speed, midband = 0.5, np.array([10.0])
-        d = axle_distances(train)
+        d = train.axle_distances
         moving = tabulate_receptances(functions[RAIL], track, speed, d, range(-3, 3))
         standing = tabulate_receptances(functions[RAIL], track, 0.0, d, range(-3, 3))
         on_lines = lines(tuple(midband), train, speed)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from railvib.forces.receptance import tabulate_receptances
-from railvib.forces.wheel_rail import axle_distances, axle_phases, force_matrices
+from railvib.forces.wheel_rail import axle_phases, force_matrices
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL, Receiver
 from railvib.parameters.unevenness import Unevenness
@@ -118,7 +118,7 @@ def passages(soft, track, single, functions):
     """Displacements over time per unit amplitude of each harmonic, (harmonics, times), and the harmonics'
     variances.
     """
-    moving = tabulate_receptances(functions[RAIL], track, SPEED, axle_distances(single), range(-3, 4))
+    moving = tabulate_receptances(functions[RAIL], track, SPEED, single.axle_distances, range(-3, 4))
     oracle = Oracle(soft, track)
     beta = 0.5 * (EDGES[1:] + EDGES[:-1])
     f = beta * SPEED / (2.0 * np.pi)

@@ -5,7 +5,6 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from railvib.forces.receptance import tabulate_receptances
-from railvib.forces.wheel_rail import axle_distances
 from railvib.numerics import third_octaves
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL, Receiver
@@ -59,12 +58,12 @@ def passage(train):
 
 @pytest.fixture(scope="module")
 def moving(functions, track, train):
-    return tabulate_receptances(functions[RAIL], track, SPEED, axle_distances(train), range(-3, 3))
+    return tabulate_receptances(functions[RAIL], track, SPEED, train.axle_distances, range(-3, 3))
 
 
 @pytest.fixture(scope="module")
 def standing(functions, track, train):
-    return tabulate_receptances(functions[RAIL], track, 0.0, axle_distances(train), range(-3, 3))
+    return tabulate_receptances(functions[RAIL], track, 0.0, train.axle_distances, range(-3, 3))
 
 
 def grid_of(soft, passage, refinement=1):
@@ -234,7 +233,7 @@ def test_slow_train(functions, soft, track, train):
     grid = passage_grid(soft, train.length, speed, band, 30.0)
     chosen = {receiver: functions[receiver]}
     receptances = [
-        tabulate_receptances(functions[RAIL], track, each, axle_distances(train), range(-3, 3))
+        tabulate_receptances(functions[RAIL], track, each, train.axle_distances, range(-3, 3))
         for each in (speed, 0.0)
     ]
     q = moving_excitation(train, receptances[0], ROUGH, speed, grid.wavenumber)

@@ -149,7 +149,7 @@ def test_another_speed_leaves_the_ground_alone(study_folder, computed):
 
 
 def test_a_failed_task_is_told_and_resumed(study_folder, monkeypatch):
-    from railvib.stages import line_integrals
+    from railvib.psd import line_integrals
 
     monkeypatch.setattr(line_integrals, "line_integrals", lambda *_: 1 / 0)
     result = invoke("run", "small.toml", "--workers", 0)

@@ -29,7 +29,11 @@ class Arithmetic(Stage):
 
     marks: str | None = None
     sleep: float = 0.0
-    result: ClassVar[type] = Numbers
+
+    @classmethod
+    def result_type(cls) -> type[Numbers]:
+        """Return the numbers."""
+        return Numbers
 
     def _leave_mark(self, name: str) -> None:
         """Leave a file per start, so that a test can count starts across processes."""

@@ -4,16 +4,13 @@ import numpy as np
 import pytest
 
 from railvib.forces.moving_transfer import moving_transfer
-from railvib.forces.receptance import (
-    highest_tabulated_frequency,
-    receptances,
-    tabulate_receptances,
-)
+from railvib.forces.receptance import receptances, tabulate_receptances
 from railvib.forces.smooth_receptance import Load
 from railvib.numerics import frequency_blocks as blocks
 from railvib.numerics.wavenumber_panels import WEIGHT, nodes_between
 from railvib.parameters.ground import Ground, Layer
 from railvib.parameters.receiver import RAIL
+from railvib.transfer.highest_frequencies import highest_tabulated_frequency
 from railvib.transfer.track_response import track_response
 
 SOFT = Ground(layers=[Layer(shear_speed=150.0, dilatational_speed=400.0, density=1800.0, loss_factor=0.1)])

@@ -7,7 +7,7 @@ import pytest
 
 from railvib import library
 from railvib.forces.receptance import Receptances
-from railvib.forces.wheel_rail import axle_distances, axle_forces, axle_numbers, axle_phases, force_matrices
+from railvib.forces.wheel_rail import axle_forces, axle_numbers, axle_phases, force_matrices
 from railvib.parameters.vehicle import Train, train_receptance
 
 
@@ -15,7 +15,7 @@ class Spring:
     """A rail that yields under the axle alone, 1/K, or along a decaying curve."""
 
     def __init__(self, train, stiffness, length=1e-3):
-        self.distance = axle_distances(train)
+        self.distance = train.axle_distances
         self.value = np.exp(-np.abs(self.distance) / length) / stiffness
 
     def at(self, frequency):
@@ -31,7 +31,7 @@ def mixed(vehicle):
 
 
 def test_distances_are_distinct_and_signed(train):
-    d = axle_distances(train)
+    d = train.axle_distances
     np.testing.assert_allclose(d, -d[::-1])
     assert np.all(np.diff(d) > 1e-6)
     assert d.size == 1 + 2 * 31  # 32 distances including 0, as METHOD says of the four-car train
@@ -162,7 +162,7 @@ def test_arrivals_and_numbers(train):
 
 def test_receptances_of_other_distances_are_not_mixed_up(train):
     """The matrix takes σ(α_j − α_k): an antisymmetric receptance shows which way round."""
-    d = axle_distances(train)
+    d = train.axle_distances
     rail = Receptances(
         frequency=np.geomspace(0.5, 3.0, 34),
         distance=d,

@@ -6,7 +6,6 @@ from numpy.polynomial import legendre
 from scipy.ndimage import maximum_filter1d
 
 from railvib.forces.receptance import tabulate_receptances
-from railvib.forces.wheel_rail import axle_distances
 from railvib.numerics import third_octaves
 from railvib.numerics.wavenumber_panels import ORDER
 from railvib.parameters.ground import Ground, Layer
@@ -105,7 +104,7 @@ def test_tolerance_is_kept_in_lines_and_bands(kmh, track, tables, train):
         layers=[Layer(shear_speed=120.0, dilatational_speed=300.0, density=1800.0, loss_factor=0.1)]
     )
     functions = tables(soft, track, range(-3, 5), (RAIL, Receiver(8.0)), 1e-4)
-    moving = tabulate_receptances(functions[RAIL], track, speed, axle_distances(train), range(-3, 3))
+    moving = tabulate_receptances(functions[RAIL], track, speed, train.axle_distances, range(-3, 3))
     midband = third_octaves.midbands(2.0, 8.0)
     on_lines = lines(tuple(midband), train, speed)
     f = on_lines.frequency

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from railvib.parameters.receiver import CENTRE, RAIL, Receiver
-from railvib.psd.quasi_static import highest_quasi_static_frequency, quasi_static_spectra
+from railvib.psd.quasi_static import quasi_static_spectra
+from railvib.transfer.highest_frequencies import highest_quasi_static_frequency
 from railvib.transfer.nodes import largest_wavenumber
 from tests.railvib.transfer.soft_ground import SOFT
 
