@@ -10,7 +10,7 @@ import numpy as np
 from railvib import library
 from railvib.parameters.cross_section import CrossSection
 from railvib.stages.stage import Work
-from railvib.stages.transfer_table import TransferTable, table_size
+from railvib.stages.transfer_table import TransferTable, likely_size
 from railvib.transfer.receiver_classes import distance_class
 
 _BYTES = 128 * 2**20
@@ -47,8 +47,7 @@ class FeBeTable(TransferTable):
         """Return the places at which the model is evaluated, shared by the receivers of a class."""
         places: dict[float, float] = {}
         for stage in stages:
-            # No rate makes up for an estimate on the safe side here.
-            rows, nodes = table_size(stage.ground, stage.block, stage.receiver, waves_followed=8.0)
+            rows, nodes = likely_size(stage.ground, stage.block, stage.receiver)
             reach = distance_class(stage.receiver)
             places[reach] = max(places.get(reach, 0.0), (rows + _CHECKS + _PANEL_ROWS) * nodes)
         return Work(cls.SORT, {"values": sum(places.values())})

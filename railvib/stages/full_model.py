@@ -14,7 +14,7 @@ from railvib.stages.moving_transfer import RailMovingTransfer
 from railvib.stages.receptances import RailReceptances
 from railvib.stages.stage import COMPLEX, Load, Stage, Work
 from railvib.stages.tables import LoadedFunctions, receiver_tables, tables_memory
-from railvib.stages.transfer_table import table_size
+from railvib.stages.transfer_table import likely_size
 from railvib.transfer.highest_frequencies import highest_excitation
 from railvib.transfer.nodes import largest_wavenumber
 
@@ -110,7 +110,7 @@ class FullModelSpectra(CaseSpectra):
         axles, lines = self.train.axle_count, float(self.lines.frequency.size)
         sets, excitations = float(self._force_sets), self._excitations
         block = max(blocks_over(self.band))
-        nodes = sum(table_size(self.ground, block, receiver)[1] for receiver in self.receivers)
+        nodes = sum(likely_size(self.ground, block, receiver)[1] for receiver in self.receivers)
         amounts = {
             "units": 1.0,
             "pairs": excitations * axles**2,

@@ -8,7 +8,7 @@ from railvib.parameters.receiver import RAIL
 from railvib.stages.model_stage import AnyReceiver, ModelStage
 from railvib.stages.stage import FLOAT, Load, Stage, Work
 from railvib.stages.tables import receiver_tables, transfer_function
-from railvib.stages.transfer_table import table_size
+from railvib.stages.transfer_table import likely_size, table_size
 from railvib.transfer.receiver_classes import RECEIVERS_AT_ONCE, distance_class
 
 if TYPE_CHECKING:
@@ -80,12 +80,10 @@ class ReceiverLineIntegrals(ModelStage):
                 )
                 yield {batch[receiver]: integral for receiver, integral in integrals.items()}
 
-    def _sizes(self) -> list[tuple[int, float]]:
-        return [table_size(self.ground, block, self.receiver) for block in self.blocks]
-
     def nbytes(self) -> int:
         """Estimate the table: frequencies by distances."""
-        return sum(rows for rows, _ in self._sizes()) * len(self.distances) * FLOAT
+        sizes = [table_size(self.ground, block, self.receiver) for block in self.blocks]
+        return sum(rows for rows, _ in sizes) * len(self.distances) * FLOAT
 
     def memory(self) -> int:
         """Estimate what integrating takes, with the tables that are read."""
@@ -93,6 +91,7 @@ class ReceiverLineIntegrals(ModelStage):
 
     def work(self) -> Work:
         """Return values of the tables, and values times distances."""
-        values = sum(rows * nodes for rows, nodes in self._sizes())
+        sizes = [likely_size(self.ground, block, self.receiver) for block in self.blocks]
+        values = sum(rows * nodes for rows, nodes in sizes)
         amounts = {"units": 1.0, "values": values, "values of axles": values * len(self.distances)}
         return Work(self.name, amounts)

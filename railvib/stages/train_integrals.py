@@ -12,7 +12,7 @@ from railvib.psd.lines import Lines
 from railvib.stages.model_stage import AnyReceiver, Bands, ModelStage, blocks_over
 from railvib.stages.stage import COMPLEX, Load, Stage, Work
 from railvib.stages.tables import receiver_tables, transfer_function
-from railvib.stages.transfer_table import table_size
+from railvib.stages.transfer_table import likely_size
 
 if TYPE_CHECKING:
     from railvib.psd.train_average import TrainIntegrals
@@ -77,7 +77,7 @@ class ReceiverTrainIntegrals(ModelStage):
 
     def work(self) -> Work:
         """Return values of the transfer function, and values times pairs of axles."""
-        nodes = table_size(self.ground, max(blocks_over(self.band)), self.receiver)[1]
+        nodes = likely_size(self.ground, max(blocks_over(self.band)), self.receiver)[1]
         values = float(self._frequency().size) * nodes
         amounts = {"units": 1.0, "values": values, "values of axles": values * len(self.axle_position) ** 2}
         return Work(self.name, amounts)
