@@ -21,9 +21,9 @@ from railvib.transfer.transfer_function import TransferFunction
 
 _MOST_DIVISIONS = 64
 """Largest number of parts into which the step of the lines is divided."""
-_FLAT = 0.3
+_FLAT = 0.2
 """Share of the record on either side of its middle that the window leaves unchanged."""
-_TAPS = 8
+_TAPS = 12
 """Lines on either side that the window spreads a line over."""
 
 
