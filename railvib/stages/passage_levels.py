@@ -21,7 +21,7 @@ from railvib.stages.tables import LoadedFunctions, receiver_tables, tables_memor
 if TYPE_CHECKING:
     from railvib.passage.passage_levels import PassageLevels, RandomPassage
 
-_HARMONICS_PER_LINE = 4.0
+_HARMONICS_PER_LINE = 2.0
 """Harmonics over lines, and their share that is heard at a line: 1.4 and 0.2 occurred, on the rail 1."""
 _SINGLE = 8
 """Bytes of a complex number in single precision."""
