@@ -1,4 +1,4 @@
-"""The documentation: its examples run, its links lead somewhere, and the modules that it names exist."""
+"""The documentation: its examples run, its links lead somewhere, and the files that it names exist."""
 
 import doctest
 import re
@@ -11,6 +11,12 @@ PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 EXAMPLES = [page for page in PAGES if ">>>" in page.read_text(encoding="utf-8")]
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
 MODULE_LINE = re.compile(r"^Modules?:.*?\.(?=\s|$)", re.MULTILINE | re.DOTALL)
+SOURCE_FILE = re.compile(r"(?<![\w/.])(?:\w+/)*[a-z0-9_]+\.(?:py|sql)\b")
+SOURCES = [
+    path
+    for folder in ("railvib", "sweep", "queries", "benchmarks", "tests", "scripts", "studies")
+    for path in (ROOT / folder).rglob("*.*")
+]
 DECISIONS = ROOT / "docs" / "decisions"
 
 
@@ -37,6 +43,14 @@ def test_theory_names_modules_that_exist(page):
     modules = re.findall(r"`([a-z_/]+)`", line.group())
     assert modules
     assert [module for module in modules if not (ROOT / "railvib" / f"{module}.py").is_file()] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_pages_name_source_files_that_exist(page):
+    """A file may be named without the folders that lead to it; NAME stands for one to be written."""
+    files = [f"/{path.relative_to(ROOT)}" for path in SOURCES]
+    named = SOURCE_FILE.findall(page.read_text(encoding="utf-8"))
+    assert [file for file in named if not any(path.endswith(f"/{file}") for path in files)] == []
 
 
 def test_every_decision_is_listed_once():
