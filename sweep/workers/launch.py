@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from railvib.errors import InputError
-from sweep.processes import forks
+from sweep.processes import forks, surroundings
 from sweep.workers.watch import PATIENCE_MIN
 
 if TYPE_CHECKING:
@@ -112,8 +112,15 @@ class Launch:
         return self.scheduler is None and self.file is None and self.processes > 0
 
     def get_ready(self, stages: str) -> None:
-        """Start to prepare local workers; do not wait."""
+        """Start to prepare local workers; do not wait.
+
+        Raises
+        ------
+        InputError
+            If this machine does not let them be started.
+        """
         if self._starts_processes:
+            surroundings.check(self.processes)
             forks.start(stages)
 
     def beside(self, function: Callable[[Argument], Result], argument: Argument) -> Callable[[], Result]:
