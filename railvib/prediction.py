@@ -228,7 +228,7 @@ def predict_passage(
     Raises
     ------
     InputError
-        If a value is out of range, or wheels are out of round: passages hold the rails' part alone.
+        If a value is out of range.
 
     Notes
     -----
@@ -237,8 +237,6 @@ def predict_passage(
     receivers = _receivers(offsets, rail)
     _check(receivers, approaches, refinement=1)
     _check_levels(metrics, quantiles, passages, seed)
-    if train.has_rough_wheels:
-        raise InputError("train: has wheel_roughness, which random passages would leave out")
     band = third_octaves.midbands(minimum_frequency, maximum_frequency)
     case = _case(ground, track, train, unevenness, speed, receivers, band, tolerance)
     levels: dict[str, Any] = {

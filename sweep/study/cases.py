@@ -17,7 +17,6 @@ from railvib import library
 from railvib.errors import InputError
 from railvib.parameters.units import KMH
 from railvib.parameters.validation import validated
-from railvib.parameters.vehicle import Train
 from sweep import identity
 from sweep.identity import Canonical
 from sweep.study.files import read_toml
@@ -142,15 +141,4 @@ def resolve(tables: Mapping[str, Any]) -> Resolved:
                 objects[kind][name] = library.resolve(kind, name, definitions)
             except InputError as error:
                 raise InputError(f"sweep.{error}") from None
-    if study.levels is not None:
-        _check_wheels_are_smooth(objects["train"])
     return Resolved(study, objects)
-
-
-def _check_wheels_are_smooth(trains: Mapping[str, BaseModel]) -> None:
-    """Refuse rough wheels where levels of random passages are asked for, which hold the rails' part alone."""
-    for name, train in trains.items():
-        if isinstance(train, Train) and train.has_rough_wheels:
-            raise InputError(
-                f"levels: passages of train = {name!r} would leave out its wheel_roughness; leave out either"
-            )

@@ -183,14 +183,3 @@ def test_one_more_speed_leaves_the_other_cases(values):
 def test_a_value_twice_is_one_case_with_one_label():
     cases = list(study.resolve(changed("sweep.speed_kmh", [150, 150.0])).cases())
     assert [len(case.labels) for case in cases] == [1, 1]
-
-
-def test_levels_of_passages_are_those_of_smooth_wheels():
-    rough = {"vehicle": "regina", "wheel_roughness": {"form": "orders", "order_level_db": [20.0]}}
-    tables = changed("sweep.train", ["worn"])
-    tables["train"] = {"worn": [rough]}
-    assert study.resolve(tables).objects["train"]["worn"].has_rough_wheels
-    with pytest.raises(
-        InputError, match=r"^levels: passages of train = 'worn' would leave out its wheel_rough"
-    ):
-        study.resolve(tables | {"levels": {"metrics": ["kb-f-max"]}})
