@@ -132,10 +132,13 @@ def resume(directory: Path, failed: bool, study: Path | None, store: str | None,
 def status(directory: Path, verify: bool) -> None:
     """Show how far the latest run in DIRECTORY is, and what failed."""
     from sweep import status as state
+    from sweep.workers import leftovers
 
     manifest = _manifest(directory)
     for line in state.describe(directory, manifest):
         _say(line)
+    if not state.alive(directory):
+        leftovers.discard_keys(directory)
     faults = _faults(directory) if verify else []
     if verify:
         click.echo(f"damaged   {len(faults)}")

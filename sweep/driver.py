@@ -20,6 +20,7 @@ from sweep.running import lock
 from sweep.storage import location, records
 from sweep.storage.verify import withdraw
 from sweep.study import Resolved
+from sweep.workers import leftovers
 from sweep.workers.launch import STAGES, Launch
 from sweep.workers.watch import WorkersLostError
 
@@ -103,6 +104,7 @@ def drive(prepared: Prepared, launch: Launch, mend: bool = False, only_failed: b
     try:
         with lock.hold(directory) as predecessor:
             if predecessor:
+                leftovers.discard_keys(directory)
                 click.echo(f"{predecessor} exited unexpectedly; its results are kept", err=True)
             if mend or only_failed:
                 prepared = _renew(prepared, mend, only_failed)

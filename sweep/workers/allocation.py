@@ -27,6 +27,7 @@ from railvib.errors import InputError
 from sweep.workers import tls
 from sweep.workers.cluster_file import LOOPBACK
 from sweep.workers.dask_cluster import SETTINGS
+from sweep.workers.leftovers import CERTIFICATE, KEY
 
 with patch("signal.signal"):  # on import it would make Ctrl-C end the process as a success
     from dask_jobqueue.slurm import SLURMRunner
@@ -115,7 +116,7 @@ def _drive(meeting: Path, arguments: Sequence[str]) -> None:
     """Run the study, and end the scheduler whatever happens."""
     _await_scheduler(meeting)
     with Runner(meeting, tls.security_of(meeting)) as runner:
-        certificate, key = str(meeting / tls.CERTIFICATE), str(meeting / tls.KEY)
+        certificate, key = str(meeting / CERTIFICATE), str(meeting / KEY)
         options = ["--scheduler", runner.scheduler_address, "--tls-ca", certificate]
         options += ["--tls-cert", certificate, "--tls-key", key]
         cli.main(["run", *arguments, *options], prog_name="railvib")

@@ -26,6 +26,7 @@ from sweep.processes import forks
 from sweep.workers import dask_cluster as cluster
 from sweep.workers import drain, tls
 from sweep.workers.cluster_file import LOOPBACK, ClusterFile, Local, Queue, Ssh
+from sweep.workers.leftovers import FOLDER
 from sweep.workers.watch import PATIENCE_MIN, Watch
 
 with patch("signal.signal"):  # on import it would make Ctrl-C end the process as a success
@@ -34,8 +35,6 @@ with patch("signal.signal"):  # on import it would make Ctrl-C end the process a
 SCALING = {"interval": "1s", "target_duration": "1s"}
 """How often the number of workers is adapted, and the work that is worth another worker."""
 POLL_S = 0.2
-FOLDER = "cluster"
-"""Folder of a results directory for the jobs' output and, while they run, their certificate."""
 SYSTEMS: dict[str, type[dask_jobqueue.JobQueueCluster]] = {
     "slurm": dask_jobqueue.SLURMCluster,
     "pbs": dask_jobqueue.PBSCluster,

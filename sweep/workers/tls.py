@@ -9,9 +9,9 @@ from pathlib import Path
 from distributed.security import Security
 
 from railvib.errors import InputError
+from sweep.workers.leftovers import CERTIFICATE, KEY
 
 ROLES = ("scheduler", "worker", "client")
-CERTIFICATE, KEY = "certificate.pem", "key.pem"
 
 
 @dataclass(frozen=True)

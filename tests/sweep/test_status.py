@@ -7,6 +7,7 @@ import pytest
 
 from sweep.running import lock
 from sweep.storage import records, store
+from sweep.workers import leftovers
 from tests.sweep.running.test_lock import ended, leave
 from tests.sweep.small import invoke
 
@@ -225,3 +226,25 @@ def test_garbage_in_logs_failures_and_locks_is_passed_over(copy):
     for command in (("status",), ("status", "--verify"), ("resume", "--workers", 0)):
         result = invoke(command[0], copy, *command[1:])
         assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("command", [("status",), ("resume", "--workers", 0)])
+def test_the_key_of_a_run_that_was_killed_is_removed(copy, command):
+    unfinished(copy)
+    leave(copy, process=ended())
+    folder = copy / leftovers.FOLDER
+    folder.mkdir()
+    for name in (leftovers.CERTIFICATE, leftovers.KEY, "job.log"):
+        (folder / name).write_text("secret")
+    invoke(command[0], copy, *command[1:])
+    assert [path.name for path in folder.iterdir()] == ["job.log"]
+
+
+def test_the_key_of_a_run_that_is_under_way_stays(copy):
+    unfinished(copy)
+    key = copy / leftovers.FOLDER / leftovers.KEY
+    key.parent.mkdir()
+    key.write_text("secret")
+    with lock.hold(copy):
+        assert "running" in invoke("status", copy).output
+    assert key.exists()
