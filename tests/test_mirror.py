@@ -97,6 +97,7 @@ COVERED = {
     "sweep/storage/protocol.py": "sweep/storage/test_location.py",
     "sweep/storage/verify.py": "sweep/test_status.py",
     "sweep/workers/allocation.py": "sweep/test_slurm.py",
+    "sweep/workers/leftovers.py": "sweep/test_status.py",
     "sweep/workers/dask_cluster.py": "sweep/running/test_scheduler.py",
     "sweep/workers/drain.py": "sweep/workers/test_jobs.py",
     "sweep/workers/launch.py": "sweep/test_running_cluster.py",
