@@ -5,6 +5,7 @@ a certificate made for the run, which the workers find in the results directory.
 """
 
 import logging
+import shlex
 import shutil
 import sys
 import time
@@ -205,7 +206,7 @@ def job_options(file: Queue, folder: Path, security: Security) -> dict[str, Any]
         "job_name": "railvib",
         "log_directory": str(folder),
         "python": file.python or sys.executable,
-        "worker_extra_args": ["--no-dashboard", *(["--host", LOOPBACK] if _here_only(file) else [])],
+        "worker_extra_args": ["--no-dashboard", *_listens_at(file)],
         "job_script_prologue": [
             *file.prologue,
             f"export {drain.STARTED}=$(date +%s)",
@@ -227,6 +228,17 @@ def job_options(file: Queue, folder: Path, security: Security) -> dict[str, Any]
     if file.account:
         options[ACCOUNT.get(file.kind, "project")] = file.account
     return options
+
+
+def _listens_at(file: Queue) -> list[str]:
+    """Return where a job's worker listens, which without a word is on every interface of its machine."""
+    if _here_only(file):
+        return ["--host", LOOPBACK]
+    if file.host is None:
+        return []  # dask-jobqueue passes the interface on
+    # In backticks: HTCondor takes $(…) for a macro of its own.
+    python = shlex.quote(file.python or sys.executable)
+    return ["--host", f"`{python} -m sweep.workers.route {shlex.quote(file.host)}`"]
 
 
 def _walltime(file: Queue) -> str:
