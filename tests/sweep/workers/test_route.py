@@ -30,9 +30,7 @@ def test_workers_of_jobs_listen_where_the_scheduler_is_reached(tmp_path, kind, p
     file = Queue(kind=kind, maximum_workers=1, walltime_minutes=60, memory_gb=4, **place)
     options = jobs.job_options(file, tmp_path, Security())
     options.pop("security")
-    script = (
-        jobs.SYSTEMS[kind].job_cls("tls://127.0.0.1:1", name="one", security=None, **options).job_script()
-    )
+    job = jobs.SYSTEMS[kind].job_cls("tls://127.0.0.1:1", name="one", security=None, **options)
     (command,) = (line for line in job.job_script().splitlines() if "dask_worker" in line)
     written = subprocess.run(
         ["sh", "-c", f"echo {command}"],
