@@ -37,12 +37,12 @@ def arrays(directory):
 
 
 def test_on_s3_a_run_is_broken_off_resumed_shared_and_read(study_folder, s3, computed, monkeypatch):
-    from railvib.stages import full_model, moving_roughness
+    from railvib.psd import full_model_spectra, moving_roughness_spectra
 
     address = f"{s3}/studies"
     with monkeypatch.context() as broken:
-        broken.setattr(moving_roughness, "moving_roughness_spectra", lambda *_: 1 / 0)
-        broken.setattr(full_model, "full_model_spectra", lambda *_: 1 / 0)
+        broken.setattr(moving_roughness_spectra, "moving_roughness_spectra", lambda *_: 1 / 0)
+        broken.setattr(full_model_spectra, "full_model_spectra", lambda *_: 1 / 0)
         assert invoke("run", "small.toml", "--workers", 0, "--store", address).exit_code == 1
     out = study_folder / "runs" / "small"
     assert stages_at(address) == SHARED
