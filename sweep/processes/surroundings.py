@@ -35,7 +35,7 @@ def check(workers: int) -> None:
             "as sockets lie there"
         )
     try:
-        multiprocessing.get_context("spawn").Lock()
+        multiprocessing.get_context("fork").Lock()  # of other contexts it would start the resource tracker
     except OSError as error:
         raise InputError(
             f"/dev/shm: {error.strerror}; processes share locks there, use --workers 0"
